@@ -23,7 +23,7 @@ std::vector<ParameterSpec> bounds_parameters(std::string floor) {
 
 Bounds read_bounds(const Parameters& parameters) {
   const Bounds bounds{parameters.number("floor"), parameters.has("ceiling") ? parameters.number("ceiling") : 1e150};
-  if (bounds.ceiling < bounds.floor) throw ComponentError("the ceiling lies below the floor", "/ceiling");
+  if (bounds.ceiling < bounds.floor) throw ComponentError("the ceiling is below the floor", "/ceiling");
   return bounds;
 }
 

@@ -26,7 +26,7 @@ std::int64_t key_of(const std::string& text) {
   std::int64_t key = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), key);
   if (error != std::errc() || end != text.data() + text.size())
-    throw ComponentError("an anchor is listed by its whole number, as the channel's field has it: \"105\"",
+    throw ComponentError("an anchor is listed by its whole number, as in the channel's field: \"105\"",
                          "/anchors/" + text);
   return key;
 }
@@ -72,9 +72,9 @@ Anchors::Anchors(const Binding& binding, const SensorPlace& sensor, From from) :
   if (listed_.empty() && from == From::config) throw ComponentError("no anchor is listed", "/anchors");
   if (listed_.empty() && !row_place_)
     throw ComponentError(
-        "nobody says where the anchors are: list them as \"anchors\": {\"1\": {\"lat\": …, \"lon\": …, \"height\": "
-        "…}}, "
-        "or let the channel carry anchor_lat, anchor_lon, anchor_height (or anchor_x …, anchor_north …) per row",
+        "the positions of the anchors are missing: list them as \"anchors\": {\"1\": {\"lat\": …, \"lon\": …, "
+        "\"height\": …}}, or let the channel carry anchor_lat, anchor_lon, anchor_height (or anchor_x …, anchor_north "
+        "…) per row",
         "/anchors");
 }
 
@@ -94,10 +94,11 @@ void Anchors::find_row_place(const Binding& binding) {
     }
     if (count == 0) continue;
     if (!missing.empty())
-      throw ComponentError("the channel carries a part of the anchors' places, and no field for '" + missing + "'",
+      throw ComponentError("the channel carries only part of the anchors' positions, without a field for '" + missing +
+                               "'",
                            "/fields");
     if (row_place_)
-      throw ComponentError("the channel carries the anchors' places in two kinds of coordinates", "/fields");
+      throw ComponentError("the channel carries the anchors' positions in two kinds of coordinates", "/fields");
     sensor_.demand(kind, "/fields");
     row_place_ = place;
   }
@@ -110,9 +111,10 @@ void Anchors::read_listed(const Binding& binding) {
     const Parameters object(value);
     const std::optional<Point> point = sensor_.read(object, pointer);
     if (point && row_place_)
-      throw ComponentError("the channel carries the anchors' places: leave them out here, or there", pointer);
+      throw ComponentError("the channel carries the anchors' positions: remove them here, or there", pointer);
     if (!point && !row_place_)
-      throw ComponentError("the anchor has no place: give lat, lon, height or x, y, z or north, east, down", pointer);
+      throw ComponentError("the anchor has no position: give lat, lon, height or x, y, z or north, east, down",
+                           pointer);
     AnchorSight anchor{key_of(name), count(), Eigen::Vector3d::Zero(), object.number("bias"), 0};
     if (point) anchor.r = sensor_.bring(*point);
     if (object.has("sigma")) anchor.variance = object.number("sigma") * object.number("sigma");
@@ -147,7 +149,7 @@ std::optional<AnchorSight> Anchors::sight(const MeasurementInput& in, int row, R
   if (key_field.is_bound()) {
     key = whole(in.sample(row, key_field));
     if (!key) {
-      in.notes.leave("a row is left out: the number of its anchor is no whole number");
+      in.notes.leave("a row is left out: the number of its anchor is not a whole number");
       return std::nullopt;
     }
   }
@@ -163,7 +165,7 @@ std::optional<AnchorSight> Anchors::sight(const MeasurementInput& in, int row, R
     if (const RowField f = row_place_->fields[static_cast<std::size_t>(i)]; f.is_bound())
       point.coordinates[i] = in.sample(row, f);
   if (!point.coordinates.allFinite()) {
-    in.notes.leave("a row is left out: its anchor has no place");
+    in.notes.leave("a row is left out: its anchor has no position");
     return std::nullopt;
   }
   anchor.r = sensor_.bring(point);

@@ -46,7 +46,7 @@ ComponentSpec AttitudeFix::spec() {
           optional(std::string("c") + row + col, "1", "element of C_nb: row north, east or down, column x, y or z"));
   spec.fields.push_back(optional("roll", "rad", "roll, right side down positive"));
   spec.fields.push_back(optional("pitch", "rad", "pitch, nose up positive"));
-  spec.fields.push_back(optional("yaw", "rad", "clockwise from true north"));
+  spec.fields.push_back(optional("yaw", "rad", "yaw, clockwise from true north"));
   for (const char* axis : {"north", "east", "down"}) spec.fields.push_back(Deviations::field(axis, "rad"));
   spec.example = R"json({"channel": "star_tracker", "blocks": {"attitude": "attitude"}, "form": "angles",
     "sigma": ["0.1 deg", "0.1 deg", "0.3 deg"], "gate": 0.999})json";
@@ -100,7 +100,7 @@ const char* AttitudeFix::read(const SampleView& sample, Vector4d& q_nb) const {
     const Eigen::Matrix<double, 9, 1> elements = sample[dcm_];
     const Matrix3d C = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(elements.data());
     if (!((C * C.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() < rounding) || !(C.determinant() > 0))
-      return "the matrix is no rotation";
+      return "the matrix is not a rotation";
     q_nb = strapdown::quaternion_from_dcm(C).normalized();
   }
   return nullptr;

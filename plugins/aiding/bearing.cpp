@@ -145,7 +145,7 @@ Eigen::Matrix3d Bearing::axes(const PortValues& x) const {
 
 Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
   const strapdown::Way way = this->way(in);
-  if (!way.d.allFinite()) return Result::invalid("the observer's place is not finite");
+  if (!way.d.allFinite()) return Result::invalid("the observer's position is not finite");
   const Eigen::Matrix3d C = axes(in.x);
   const Eigen::Vector3d d = C * way.d;
   const double azimuth = in.sample[azimuth_], rho = std::hypot(d[0], d[1]);

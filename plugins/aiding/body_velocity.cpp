@@ -90,7 +90,7 @@ Result BodyVelocity::linearize(const MeasurementInput& in, MeasurementOutput& ou
     out.residual[row] = z - factor[axis] * value.v_v[axis];
     direction(row, axis) = factor[axis];
   }
-  if (!std::isfinite(square)) return Result::invalid("the velocity is beyond all reason");
+  if (!std::isfinite(square)) return Result::invalid("the velocity is implausible");
   for (int row = 0; row < rows_; ++row) out.R(row, row) += relative_ * relative_ * square;
   out.rows = rows_;
   velocity_.write_jacobians(value, direction, out.H);

@@ -83,13 +83,14 @@ ComponentSpec Magnetometer::spec() {
           .about("estimated soft iron error, added to the parameter: xx yy zz, or xx yy zz xy xz yz (symmetric), or "
                  "nine row by row")};
   spec.fields = {field::level("mx", "T").about("magnetic flux density along x, forward"),
-                 field::level("my", "T").about("right"), field::level("mz", "T").about("down")};
+                 field::level("my", "T").about("magnetic flux density along y, right"),
+                 field::level("mz", "T").about("magnetic flux density along z, down")};
   for (const char* name : {"mx", "my", "mz"}) spec.fields.push_back(Deviations::field(name, "T"));
-  spec.inputs = {
-      input("field", {field::level("north", "T").about("north component of the field"),
-                      field::level("east", "T").about("to the east"), field::level("down", "T").about("downwards")})
-          .optional()
-          .about("magnetic field at the vehicle, from a map or a model")};
+  spec.inputs = {input("field", {field::level("north", "T").about("north component of the field"),
+                                 field::level("east", "T").about("east component of the field"),
+                                 field::level("down", "T").about("down component of the field")})
+                     .optional()
+                     .about("magnetic field at the vehicle, from a map or a model")};
   spec.example = R"json({"channel": "compass", "blocks": {"attitude": "attitude", "hard_iron": "hard_iron",
     "soft_iron": "soft_iron"}, "declination": "3.5 deg", "inclination": "64 deg", "strength": "48 uT", "sigma": "0.25 uT",
     "gate": 0.999})json";

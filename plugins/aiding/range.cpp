@@ -72,7 +72,7 @@ Range::Range(const Binding& binding)
       most_(anchors_.count() > 0 ? anchors_.count() : static_cast<int>(binding.parameters().integer("max_rows"))) {
   if (!anchor_.is_bound() && anchors_.count() > 1)
     throw ComponentError("the channel carries no field 'anchor', and 'anchors' lists " +
-                             std::to_string(anchors_.count()) + ": nobody says whose a range is",
+                             std::to_string(anchors_.count()) + ": a range has no anchor",
                          "/fields");
   if (sd_of_row_.is_bound() && variance_of_row_.is_bound())
     throw ComponentError("the channel carries both 'range_sd' and 'range_variance': recognize one of them", "/fields");
@@ -121,7 +121,7 @@ Result Range::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
     const Eigen::Vector3d d = place.r - anchor->r;
     const double length = d.norm();
     if (!(length > nearest) || !std::isfinite(length)) {
-      in.notes.leave("a row is left out: the sensor is at the anchor, or its place is not finite");
+      in.notes.leave("a row is left out: the sensor is at the anchor, or its position is not finite");
       continue;
     }
     const int bias = bias_.is_bound() ? Anchors::bias_component(bias_, *anchor) : -1;

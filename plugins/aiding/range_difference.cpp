@@ -103,7 +103,7 @@ RangeDifference::RangeDifference(const Binding& binding)
     throw ComponentError("missing key 'sigma': not each of 'anchors' has one", "");
   if (bias_.is_bound() && bias_.dof() != anchors_.count())
     throw ComponentError("its block has " + std::to_string(bias_.dof()) + " components where 'anchors' lists " +
-                             std::to_string(anchors_.count()) + "; what all have in common is not in a difference",
+                             std::to_string(anchors_.count()) + "; a difference does not contain a common bias",
                          "/blocks/bias");
   declaration_.rows(most_).reads(sensor_.port()).reads(bias_).group(rows::like("range_difference", "m"));
 }
@@ -113,7 +113,7 @@ bool RangeDifference::arrive(const MeasurementInput& in, const strapdown::Cartes
   const Eigen::Vector3d d = place.r - arrival.anchor.r;
   const double length = d.norm();
   if (!(length > nearest) || !std::isfinite(length)) {
-    in.notes.leave("a row is left out: the sensor is at an anchor, or its place is not finite");
+    in.notes.leave("a row is left out: the sensor is at an anchor, or its position is not finite");
     return false;
   }
   const int bias = bias_.is_bound() ? arrival.anchor.index : -1;
@@ -149,7 +149,7 @@ Result RangeDifference::linearize(const MeasurementInput& in, MeasurementOutput&
     if (!next) continue;
     const auto& [of, reference] = *next;
     if (!groups.join(of.anchor.key, reference.anchor.key)) {
-      in.notes.leave("a row is left out: its difference is a sum of others of this sample, and brings nothing");
+      in.notes.leave("a row is left out: its difference is a sum of others of this sample and has no information");
       continue;
     }
     pairs[static_cast<std::size_t>(count)] = *next;

@@ -92,9 +92,8 @@ RelativePosition::RelativePosition(const Binding& binding)
                          "/blocks/copy");
   if (is_in_body_axes_ != attitude_.is_bound())
     throw ComponentError(is_in_body_axes_
-                             ? std::string(
-                                   "a displacement in body axes needs the attitude at its begin: plug the copy of the "
-                                   "attitude into 'attitude', or say \"frame\": \"navigation\"")
+                             ? std::string("a displacement in body axes needs the attitude at its start: plug the copy "
+                                           "of the attitude into 'attitude', or say \"frame\": \"navigation\"")
                              : "\"frame\": \"" + binding.parameters().text("frame") + "\" takes no attitude",
                          is_in_body_axes_ ? "/blocks" : "/blocks/attitude");
   const int rows = position_.dof();
@@ -122,7 +121,7 @@ strapdown::Way RelativePosition::way(const PortValues& x) const {
 
 Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
   const SampleView& sample = in.sample;
-  if (sample.t0 == no_time) return Result::invalid("the sample has no interval, so its displacement has no begin");
+  if (sample.t0 == no_time) return Result::invalid("the sample has no interval, so its displacement has no start");
   if (!(std::abs(seconds(sample.t - sample.t0) - in.x[age_][0]) <= tolerance_))
     return Result::unsupported("its interval begins at another instant than that of the copy");
   const int rows = position_.dof();
@@ -130,7 +129,7 @@ Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput
   for (int i = 0; i < rows; ++i) z[i] = sample[axes_[static_cast<std::size_t>(i)].z];
   if (!z.allFinite()) return Result::invalid("the displacement is not finite");
   const double by_length = relative_ > 0 ? relative_ * relative_ * z.squaredNorm() : 0;
-  if (!std::isfinite(by_length)) return Result::invalid("the displacement is beyond all reason");
+  if (!std::isfinite(by_length)) return Result::invalid("the displacement is implausible");
   for (int i = 0; i < rows; ++i) {
     const Axis& axis = axes_[static_cast<std::size_t>(i)];
     const double sigma = axis.reported.is_bound() ? sample[axis.reported] : axis.sigma;

@@ -27,7 +27,7 @@ std::vector<ParameterSpec> constellation_parameters() {
            number("radius", "m").above(1e7).below(1e8).defaults("\"26560 km\"").about("radius of the circular orbits"),
            number("node", "rad")
                .defaults("0")
-               .about("longitude of the first plane's ascending node at the begin of the week")})
+               .about("longitude of the first plane's ascending node at the start of the week")})
           .defaults("{}")
           .about("a regular constellation"),
       path("almanac").about("YUMA almanac file, instead of the regular constellation")};

@@ -244,7 +244,7 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
       const std::string pointer = "/faults/" + std::to_string(faults_.size());
       const auto satellite = gnss::parse_satellite(fault.text("satellite"));
       if (!satellite)
-        throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"",
+        throw ComponentError("'" + fault.text("satellite") + "' is not a satellite: \"G01\" … \"G32\"",
                              pointer + "/satellite");
       if (std::none_of(constellation_.begin(), constellation_.end(),
                        [&](const gnss::Ephemeris& one) { return one.satellite == *satellite; }))

@@ -62,7 +62,7 @@ Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
     throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
                          "/F");
   if (parameters.has("G") && !parameters.has("q"))
-    throw ComponentError("G says how noise enters, but there is none: give 'q'", "/G");
+    throw ComponentError("G is given, but there is no noise: give 'q'", "/G");
   F_block_ = declaration_.couples(x, x);
   if (parameters.has("q")) {
     const Eigen::MatrixXd G = noise_input(parameters, dof);

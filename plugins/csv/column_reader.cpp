@@ -38,7 +38,7 @@ std::size_t index_by_number(const std::string& number, const FirstRow& first, co
   std::size_t index = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > first.cells.size())
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1 to " +
+    throw ComponentError("'" + number + "' is not a column: without header, columns are numbers from 1 to " +
                              std::to_string(first.cells.size()),
                          pointer);
   return index - 1;
@@ -67,8 +67,8 @@ FieldKind kind_of(const std::string& text) {
 
 /// "column", "unit", "missing", and how numbers are scaled: what each column has.
 std::vector<ParameterSpec> cell_members(const std::string& default_name) {
-  return {parameter::text("column").about("its name in the header, or its number from 1 without one; default: " +
-                                          default_name),
+  return {parameter::text("column").about(
+              "name of the column in the header, or its number from 1 without a header; default: " + default_name),
           parameter::number("unit", "*")
               .required()
               .about("unit of the numbers in the file, for example \"deg/s\", \"g\", \"m\", \"1\""),
@@ -177,7 +177,7 @@ std::size_t index_in_header(const std::string& name, const FirstRow& header, con
     throw ComponentError(message, pointer);
   }
   if (std::find(found + 1, cells.end(), name) != cells.end())
-    throw ComponentError("column '" + name + "' stands in the header twice", pointer);
+    throw ComponentError("column '" + name + "' appears in the header twice", pointer);
   return static_cast<std::size_t>(found - cells.begin());
 }
 
@@ -207,7 +207,7 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   for (const auto& [key, value] : local.members)
     if (const auto names = local_names(); std::ranges::find(names, key) == names.end()) {
       const std::string near = closest(key, names);
-      throw ComponentError("'" + key + "' is no local axis; " +
+      throw ComponentError("'" + key + "' is not a local axis; " +
                                (near.empty() ? "they are: " + list_of(names) : "did you mean '" + near + "'?"),
                            "/local/" + escaped(key));
     }
@@ -215,7 +215,7 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   const auto add = [&](const char* name, const char* other, double& sign, FieldSpec field) {
     for (const FieldSpec& before : fields)
       if (before.name == field.name)
-        throw ComponentError("'" + field.name + "' stands among 'columns' too, and 'local' makes it", "/local");
+        throw ComponentError("'" + field.name + "' is in 'columns' too, but 'local' computes it", "/local");
     layout.columns.push_back(read_local_column(local, name, other, first, layout.format, sign));
     field.text += ", from local columns";
     fields.push_back(std::move(field));

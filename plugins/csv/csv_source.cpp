@@ -61,7 +61,7 @@ ParameterSpec rows_spec() {
                                         .at_most(4096)
                                         .defaults("64")
                                         .about("largest number of rows of a sample; more rows are an error")})
-      .about("true: consecutive lines with the same label are one sample with a row each; every field is then per row");
+      .about("consecutive lines with the same label form one sample with a row each; every field is then per row");
 }
 
 Format read_format(const Parameters& parameters) {
@@ -94,7 +94,8 @@ void read_where(const Parameters& parameters, const FirstRow* header, Format& fo
   std::size_t index = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > most)
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1", "/where/column");
+    throw ComponentError("'" + number + "' is not a column: without header, columns are numbers from 1",
+                         "/where/column");
   format.where->index = index - 1;
 }
 
@@ -145,7 +146,7 @@ void read_calendar(const Parameters& parameters, const Parameters& time, const F
   for (const char* key : {"week", "epoch", "leap_seconds"})
     refuse_if(
         parameters.has(key) && !counts,
-        "it says where time is zero for calendar times and GPS weeks; here labels are plain numbers: see 'offset'",
+        "it gives the origin of time for calendar times and GPS weeks, but the labels are plain numbers: see 'offset'",
         std::string("/") + key);
   if (!counts) return;
   refuse_if(is_calendar && layout.time_unit != nanoseconds_per_second, "calendar times have no unit", "/time/unit");

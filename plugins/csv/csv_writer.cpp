@@ -112,7 +112,8 @@ void CsvWriter::open() {
   std::error_code none;
   const auto status = fs::status(path_, none);
   if (fs::exists(status) && !fs::is_regular_file(status))  // which the file would replace
-    throw ComponentError("'" + path_ + "' is no regular file; the sink stream/json_writer sends to devices and pipes",
+    throw ComponentError("'" + path_ +
+                             "' is not a regular file; the sink stream/json_writer sends to devices and pipes",
                          "/path");
   text_ = header_;
 }

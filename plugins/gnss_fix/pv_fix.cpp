@@ -80,7 +80,7 @@ Result PvFix::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
   if (!in.sample.covariance) return Result::unsupported("the sample comes without a covariance");
   if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8))
-    return Result::invalid("a position that is not near the earth");
+    return Result::invalid("the position is not near the earth");
   const Eigen::Vector3d lla = strapdown::lla_from_ecef(z.head<3>());
   const Matrix3d C_ne = strapdown::C_en(lla[0], lla[1]).transpose();
   out.rows = 6;

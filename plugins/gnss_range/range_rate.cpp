@@ -49,7 +49,7 @@ Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& 
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
     if (!(s.velocity.norm() < 1e5)) {               // NaN as well
-      in.notes.leave("a row is left out: its satellite has no velocity that it can have");
+      in.notes.leave("a row is left out: its satellite has no valid velocity");
       continue;
     }
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());

@@ -189,7 +189,7 @@ std::string InMotionAlignment::waits_for(const MemoryView& memory) const {
   if (state.t_emitted != no_time) return "";
   if (state.samples == 0) return "no sample of the IMU came";
   if (state.velocities == 0) return "no velocity came while the IMU ran";
-  if (state.least_heading_sd == 0) return "velocities and IMU samples without a hole span less than half of window";
+  if (state.least_heading_sd == 0) return "velocities and IMU samples without a hole cover less than half of 'window'";
   char text[160];
   if (!(state.least_misfit <= largest_misfit_))
     std::snprintf(

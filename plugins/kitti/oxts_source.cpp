@@ -94,7 +94,7 @@ std::vector<Time> OxtsSource::read_stamps(text_file::Faults& faults) const {
     text_file::LineReader reader((folder_ / "timestamps.txt").string());
     for (std::string_view line; reader.next(line);) {
       const auto utc = read_stamp(line);
-      if (!utc) faults.add("B062", reader.line(), "stamp", "'" + std::string(line.substr(0, 40)) + "' is no time");
+      if (!utc) faults.add("B062", reader.line(), "stamp", "'" + std::string(line.substr(0, 40)) + "' is not a time");
       stamps.push_back(utc ? clock_.time(*utc) - zone_ : no_time);
     }
   } catch (const text_file::FileFault& fault) {

@@ -95,12 +95,13 @@ NmeaSource::NmeaSource(const Binding& binding)
   if (p.has("ends_with")) {
     options_.ends_with = p.text("ends_with");
     if (options_.ends_with.size() != 3 && options_.ends_with.size() != 5)
-      throw ComponentError("'" + options_.ends_with + "' is no sentence; expected \"RMC\" or \"GPRMC\"", "/ends_with");
+      throw ComponentError("'" + options_.ends_with + "' is not a sentence; expected \"RMC\" or \"GPRMC\"",
+                           "/ends_with");
   }
   if (p.has("geoid_separation")) options_.geoid_separation = p.number("geoid_separation");
   if (p.has("date")) {
     options_.date = parse_day(p.text("date"));
-    if (!options_.date) throw ComponentError("'" + p.text("date") + "' is no day; expected \"2026-11-23\"", "/date");
+    if (!options_.date) throw ComponentError("'" + p.text("date") + "' is not a day; expected \"2026-11-23\"", "/date");
   }
   declare_channels(has_sigmas_);
   declaration_.live = line_input::is_live(p);

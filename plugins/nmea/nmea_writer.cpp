@@ -78,23 +78,22 @@ NmeaWriter::NmeaWriter(const Binding& binding)
   const Parameters& p = binding.parameters();
   if (!p.has("week") && !p.has("epoch"))
     throw ComponentError(
-        "sentences carry UTC: give 'week', the GPS week at whose begin time is zero (0: seconds since 1980-01-06), or "
-        "'epoch', "
-        "the instant of UTC at which it is");
+        "sentences carry UTC: give 'week', the GPS week at whose start time is zero (0: seconds since 1980-01-06), or "
+        "'epoch', the instant of UTC at which it is");
   read_report(p);
   max_sigma_ = p.has("max_sigma") ? p.number("max_sigma") : std::numeric_limits<double>::infinity();
   choose_sentences(binding);
   if (p.has("max_sigma")) find_sigma(binding);
   const bool has_gga = std::find(types_.begin(), types_.end(), Type::gga) != types_.end();
   if (has_gga && position_[2].is_bound() && !p.has("geoid_separation"))
-    binding.note("GGA has no height: it is one above the sea, and there is no 'geoid_separation'");
+    binding.note("GGA has no height: it needs the height above sea level, but 'geoid_separation' is missing");
   text_.reserve(types_.size() * 128);
 }
 
 void NmeaWriter::read_report(const Parameters& p) {
   const std::string& talker = p.text("talker");
   if (talker.size() != 2 || !std::all_of(talker.begin(), talker.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-    throw ComponentError("'" + talker + "' is no talker: two capital letters are, like GP, GN or IN", "/talker");
+    throw ComponentError("'" + talker + "' is not a talker: two capital letters are, like GP, GN or IN", "/talker");
   const auto quality =
       std::find_if(qualities.begin(), qualities.end(), [&](const auto& q) { return q.name == p.text("quality"); });
   report_.emplace(talker, *quality, p.has("geoid_separation") ? p.number("geoid_separation") : nan);

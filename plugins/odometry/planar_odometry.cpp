@@ -256,7 +256,7 @@ Eigen::Matrix4d PlanarOdometry::noise(const Parts& parts, const InputSample& sam
 Result PlanarOdometry::propagate(const ProcessInput& in, ProcessOutput& out) const {
   Pose pose{in.x[position_].as<3>(), in.x[heading_][0]};
   const double scale = scale_.is_bound() ? in.x[scale_][0] : 0.0, bias = bias_.is_bound() ? in.x[bias_][0] : 0.0;
-  if (!(scale > -0.9)) return Result::failed("the scale of the speed makes nothing of it");
+  if (!(scale > -0.9)) return Result::failed("the scale factor error of the speed is -0.9 or less");
   Jacobian J = Jacobian::Zero();
   J.topLeftCorner<4, 4>().setIdentity();
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();

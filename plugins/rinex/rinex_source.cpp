@@ -69,7 +69,7 @@ void RinexSource::open(Reporter& reporter) {
     navigation_ = read_navigation(navigation_path_, origin_week_, of_navigation);
     std::erase_if(navigation_.messages, [this](const Message& m) { return !signals_.takes(m.ephemeris.satellite); });
     if (navigation_.messages.empty())
-      of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
+      of_navigation.note("B066", 0, "contains no broadcast message of the requested signals");
   }
   if (!observation_path_.empty()) {
     epochs_ = read_observations(observation_path_, origin_week_, signals_, of_observations);

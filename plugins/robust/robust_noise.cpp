@@ -58,7 +58,7 @@ RobustNoise::RobustNoise(Loss loss, const char* constant, const Binding& binding
   method_.iterations = static_cast<int>(parameters.integer("iterations"));
   method_.tolerance = parameters.number("tolerance");
   if (parameters.has(constant) && parameters.has("efficiency"))
-    throw ComponentError("the efficiency gives the '" + std::string(constant) + "': one of them, not both",
+    throw ComponentError("the efficiency gives the '" + std::string(constant) + "': give only one of them",
                          "/" + std::string(constant));
   const double efficiency = parameters.has("efficiency") ? parameters.number("efficiency") : 0.95;
   const int largest = method_.unit == Unit::row ? 1 : noise.max_rows;
@@ -77,7 +77,7 @@ void RobustNoise::estimate(const Innovation& in, MatrixView R) const {
   const auto rows = in.memory[rows_].first(static_cast<std::size_t>(in.rows));
   const Findings findings = write_weighted(method_, in, rows, R);
   if (!findings.has_converged) in.notes.leave("the weights have not converged within `iterations`; the last were used");
-  if (findings.is_at_least) in.notes.leave("a weight is at its least, 1e-12: an outlier beyond all measure");
+  if (findings.is_at_least) in.notes.leave("a weight is at its minimum, 1e-12: an extreme outlier");
   if (findings.is_held) in.notes.leave("R of rows that share a weight is singular: they keep the weight 1");
 }
 

@@ -100,8 +100,8 @@ void PosSource::peek() {
         if (!header.layout() && !stated_)
           throw ComponentError::in_data(line.starts_with('$')
                                             ? "holds sentences of NMEA: the source 'nmea' reads them"
-                                            : "no header says what the columns are: is it a solution file? Without "
-                                              "one, 'coordinates' and 'time_system' say it",
+                                            : "no header gives the columns: is it a solution file? Without a header, "
+                                              "give 'coordinates' and 'time_system'",
                                         path_, reader.line(), "B062");
         break;
       }
@@ -149,7 +149,7 @@ void PosSource::declare_channel() {
 
 const Layout& PosSource::layout_for(const Header& header) const {
   if (!header.layout()) {
-    if (!stated_) throw BadLine{"no header has said what the columns are; 'coordinates' and 'time_system' do"};
+    if (!stated_) throw BadLine{"no header has given the columns; give 'coordinates' and 'time_system'"};
     return *stated_;
   }
   const Layout& layout = *header.layout();
@@ -211,14 +211,14 @@ void PosSource::read_file(text_file::Faults& faults, Reporter& reporter) {
                    "out of order: " + time_text(row.solution.t) + " beside " + time_text(other.solution.t));
       });
   if (none > 0)
-    reporter.warn("B065", path_, 0, std::to_string(none) + " lines with Q = 0 are no solutions, and were left out");
+    reporter.warn("B065", path_, 0, std::to_string(none) + " lines with Q = 0 are not solutions and were left out");
   if (layout_.is_height_above_sea && std::isnan(place_.geoid_separation))
-    reporter.warn(
-        "B064", path_, 0,
-        "heights are above the sea, so there is none above the ellipsoid; 'geoid_separation' gives the difference");
+    reporter.warn("B064", path_, 0,
+                  "heights are above sea level, so there is no height above the ellipsoid; 'geoid_separation' gives "
+                  "the difference");
   if (!layout_.is_height_above_sea && !std::isnan(place_.geoid_separation))
     reporter.warn("B032", path_, 0,
-                  "'geoid_separation' has no effect: no header says that heights are above the sea (\"geodetic\"), so "
+                  "'geoid_separation' has no effect: no header declares heights above sea level (\"geodetic\"), so "
                   "they are read as above the ellipsoid");
 }
 
@@ -245,7 +245,7 @@ SourceStatus PosSource::next_of_live(SourceOutput& output) const {
       auto solution = take(line, live.header);
       if (!solution) continue;
       if (solution->quality == 0) {
-        live.lines.note("a line with Q = 0 is no solution, and was left out", "B065");
+        live.lines.note("a line with Q = 0 is not a solution and was left out", "B065");
         continue;
       }
       if (live.newest != no_time && solution->t <= live.newest) {

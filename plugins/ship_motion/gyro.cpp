@@ -66,7 +66,7 @@ Gyro::Gyro(const Binding& binding) {
     declaration_.reads(axis.x).reads(axis.error).group(rows::of(block.name, axis.x));
     axes_.push_back(axis);
   }
-  if (axes_.empty()) throw ComponentError("a gyro measures something: bind one of its axes", "/blocks");
+  if (axes_.empty()) throw ComponentError("bind at least one axis of the gyro", "/blocks");
   declaration_.rows(static_cast<int>(axes_.size()));
 }
 

@@ -66,7 +66,7 @@ void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, co
   if (omega.size() < 3) throw ComponentError("three frequencies at least", pointer);
   for (Eigen::Index i = 0; i < omega.size(); ++i)
     if (omega[i] < 0 || (i > 0 && omega[i] <= omega[i - 1]))
-      throw ComponentError("frequencies rise from 0 on", pointer + "/omega");
+      throw ComponentError("frequencies increase from 0", pointer + "/omega");
   if (values.minCoeff() < 0 || !(values.maxCoeff() > 0))
     throw ComponentError("values are not negative, and not all zero", pointer);
 }
@@ -74,7 +74,7 @@ void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, co
 Response read_response(const Parameters& sea) {
   const char* const pointer = "/fit/sea";
   if (sea.has("rao") == sea.has("response"))
-    throw ComponentError("how the ship responds is either a table, 'rao', or a resonance, 'response'", pointer);
+    throw ComponentError("the response of the ship is either a table, 'rao', or a resonance, 'response'", pointer);
   if (sea.has("rao")) {
     const Parameters table = sea.object("rao");
     const Eigen::VectorXd omega = table.vector("omega"), gain = table.vector("gain");
@@ -114,7 +114,7 @@ ShapingFit fit_record(int order, const Parameters& fit_parameters, const std::st
                              " samples; it takes 16 or more, and the record has " +
                              std::to_string(record.values.size()),
                          "/fit/record");
-  if (!(record.values.squaredNorm() > 0)) throw ComponentError("nothing moves in the record", "/fit/record");
+  if (!(record.values.squaredNorm() > 0)) throw ComponentError("the record contains no motion", "/fit/record");
   return fit(order, record.values, Welch(length, record.interval));
 }
 
@@ -180,7 +180,7 @@ ShapingFilter read_motion(const Binding& binding, const std::string& si_unit) {
   const Parameters& parameters = binding.parameters();
   if (!parameters.has("fit")) return read_filter(parameters);
   for (const char* name : {"omega", "zeta", "sigma"})
-    if (parameters.has(name)) throw ComponentError("what is fitted is not given as well", std::string("/") + name);
+    if (parameters.has(name)) throw ComponentError("a fitted value cannot be given as well", std::string("/") + name);
   const ShapingFit fit = read_fit(parameters.object("fit"), si_unit);
   report(binding, fit, si_unit);
   return fit.filter;

@@ -69,7 +69,7 @@ double number(const std::vector<std::string_view>& cells, std::size_t column, co
   const std::string_view cell = column < cells.size() ? cells[column] : std::string_view();
   const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || rest != cell.data() + cell.size() || !std::isfinite(value))
-    throw ComponentError::in_data("'" + std::string(cell) + "' is no number", place.path, line, "B062");
+    throw ComponentError::in_data("'" + std::string(cell) + "' is not a number", place.path, line, "B062");
   return value;
 }
 

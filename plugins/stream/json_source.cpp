@@ -120,10 +120,10 @@ JsonSource::JsonSource(const Binding& binding) : LineSource(binding) {
 bool JsonSource::parse(std::string_view line, LineSample& sample) const {
   Reader reader;
   if (!nlohmann::json::sax_parse(line.begin(), line.end(), &reader) || !reader.is_object)
-    throw BadLine{"it is no JSON object"};
+    throw BadLine{"it is not a JSON object"};
   sample.channel = 0;
   if (!channels_.front().name.empty()) {
-    if (!reader.has_channel) throw BadLine{"it does not say of which \"channel\" it is"};
+    if (!reader.has_channel) throw BadLine{"its \"channel\" is missing"};
     while (sample.channel < channels_.size() && channels_[sample.channel].name != reader.channel) ++sample.channel;
     if (sample.channel == channels_.size()) throw BadLine{"there is no channel '" + reader.channel.substr(0, 40) + "'"};
   }

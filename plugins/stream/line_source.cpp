@@ -93,7 +93,7 @@ Time LineSource::time_of(std::string_view text) const {
   char* end = nullptr;
   const long double label = std::strtold(copy.c_str(), &end);
   if (end != copy.c_str() + copy.size() || copy.empty() || !std::isfinite(label))
-    throw BadLine{"its time is no number"};
+    throw BadLine{"its time is not a number"};
   const long double t = label * static_cast<long double>(time_unit_);
   if (std::abs(t) > 4e18L) throw BadLine{"its time is out of range; is the unit of the time right?"};
   return static_cast<Time>(std::llroundl(t)) + time_offset_;
@@ -134,7 +134,7 @@ bool LineSource::take(std::string_view line, SourceOutput& out) const {
     if (std::ranges::none_of(sample.values, is_finite)) throw BadLine{"it has none of its channel's fields"};
     write(sample, out);
     if (!std::ranges::all_of(sample.values, is_finite))
-      lines_->complain("a field is missing, or is no number; it is taken as NaN");
+      lines_->complain("a field is missing, or is not a number; it is taken as NaN");
     return true;
   } catch (const BadLine& bad) {
     lines_->complain(bad.why);

@@ -38,7 +38,7 @@ ComponentSpec TargetSimulator::spec() {
           .defaults("\"0.5 deg\"")
           .about("standard deviation of the azimuth's white noise"),
       object("target", {vector("position", "m", 2).required().about("expected initial position: north, east"),
-                        vector("velocity", "m/s", 2).defaults("0").about("velocity: north, east"),
+                        vector("velocity", "m/s", 2).defaults("0").about("expected initial velocity: north, east"),
                         vector("position_sigma", "m", 2)
                             .at_least(0)
                             .defaults("0")

@@ -24,7 +24,7 @@ Vector4d nominal_rotation(const Parameters& parameters) {
     throw ComponentError("the nominal mounting is given twice: as 'nominal' and as 'angles'", "/nominal");
   const Matrix3d C = parameters.matrix("nominal");
   if (!(C * C.transpose()).isIdentity(orthogonality) || !(C.determinant() > 0.0))
-    throw ComponentError("'nominal' is no rotation: its rows must be of unit length, at right angles, right-handed",
+    throw ComponentError("'nominal' is not a rotation: its rows must be of unit length, at right angles, right-handed",
                          "/nominal");
   return strapdown::quaternion_normalised(strapdown::quaternion_from_dcm(C));
 }

@@ -59,9 +59,9 @@ ComponentSpec VelocityMatch::spec() {
       speed("vn", "velocity of the master (MINS) over ground, north"),
       speed("ve", "velocity of the master over ground, east"),
       speed("vd", "velocity of the master over ground, down; required for all axes").optional(),
-      angle("roll", "mounting of the slave; required with a lever arm"),
-      angle("pitch", "mounting of the slave; required with a lever arm"),
-      angle("yaw", "mounting of the slave; required with a lever arm"),
+      angle("roll", "attitude of the master; required with a lever arm"),
+      angle("pitch", "attitude of the master; required with a lever arm"),
+      angle("yaw", "attitude of the master; required with a lever arm"),
       angle("lat",
             "position of the master; with it the earth rate is subtracted from the slave's rate, for a lever arm")};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};

@@ -71,7 +71,7 @@ void UbloxSource::choose_messages(const Parameters& p) {
       if (std::find(known.begin(), known.end(), each.text) == known.end()) {
         std::string all;
         for (const auto& name : known) all += (all.empty() ? "" : ", ") + name;
-        throw ComponentError("'" + each.text + "' is no message that is read; expected one of " + all, place);
+        throw ComponentError("'" + each.text + "' is not a message that is read; expected one of " + all, place);
       }
       if (p.has("epoch") && is_of_satellites(message_type(each.text)))
         throw ComponentError(each.text + " needs channels that count GPS time: 'week' instead of 'epoch'", place);

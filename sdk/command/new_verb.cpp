@@ -77,7 +77,7 @@ void check_kind(const Options& options) {
 void check_name(const std::string& name) {
   if (!is_snake_case(name)) {
     const std::string near = in_snake_case(name);
-    throw UsageError(fmt::format("'{}' is no name in snake_case (a-z, 0-9, _){}", name,
+    throw UsageError(fmt::format("'{}' is not a name in snake_case (a-z, 0-9, _){}", name,
                                  near.empty() ? "" : "; did you mean '" + near + "'?"));
   }
   if (name.size() > longest_name)

@@ -26,7 +26,7 @@ void RecordFormats::keep_only(const std::string& list) {
     else
       throw UsageError(
           "--only: " +
-          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is no format") +
+          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is not a format") +
           "; expected some of nc, csv, page, with commas between them" +
           wording::suggestion(word, {"nc", "csv", "page"}));
   }

@@ -67,7 +67,7 @@ int tune_config(const Options& options) {
   if (!options.quiet)
     for (const auto& note : result.at("notes")) print_note(note.get<std::string>());
   for (const auto& open : result.at("undetermined"))
-    print_error("not determined, and left as it is: " + open.at("text").get<std::string>());
+    print_error("not determined and not changed: " + open.at("text").get<std::string>());
   return result.at("undetermined").empty() && result.at("converged").get<bool>() ? ok : failed;
 }
 

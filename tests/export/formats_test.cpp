@@ -391,7 +391,7 @@ TEST_CASE("csv --local: north, east, down as GeographicLib has them, about an or
   CHECK(configured.origin->from == "/origin of the run's config");
   check(configured, -33.8, 151.1, 100);
   with_origin.config["origin"]["lat"] = "10 m";
-  CHECK(contains(refusal(with_origin, Format::csv, local), "/origin/lat of the run's config is no quantity in rad"));
+  CHECK(contains(refusal(with_origin, Format::csv, local), "/origin/lat of the run's config is not a quantity in rad"));
 }
 
 TEST_CASE("a state north and east in metres needs an origin, and is where that puts it") {

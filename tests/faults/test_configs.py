@@ -155,7 +155,7 @@ def test_sources_of_a_fifo(binnacle, bench, tmp_path, source):
     c = config({"a": source})
     c["filters"]["f"]["measurements"] = {}
     bench("c.json", c)
-    wanted = "holds no timestamps.txt" if source["type"] == "oxts" else "is no regular file"
+    wanted = "holds no timestamps.txt" if source["type"] == "oxts" else "is not a regular file"
     binnacle("run", "c.json", within=10).refused(5, "B060", wanted)
 
 

@@ -141,7 +141,7 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
     const auto before = bits(other);
     bytes.resize(bytes.size() - 100);
     snapshot_attack::reseal(bytes);
-    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("what it holds is damaged"));
+    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("its content is damaged"));
     CHECK(bits(other) == before);
   }
 }

@@ -278,7 +278,7 @@ ZEROS = np.zeros(6)
         ),
         (lambda s: s.read("position", out=np.zeros(2)), ValueError, r"out has the shape \(2,\) .*expected \(3,\)"),
         (lambda s: s.read("position", out=np.zeros(3, np.float32)), ValueError, "expected"),
-        (lambda s: s.read("position", out=[0, 0, 0]), TypeError, "out is no writable array"),
+        (lambda s: s.read("position", out=[0, 0, 0]), TypeError, "out is not a writable array"),
         (lambda s: s.commit(np.timedelta64("NaT")), ValueError, "t is NaT"),
         (lambda s: s.commit("now"), TypeError, "a time is a number of seconds"),
         (lambda s: s.reset(run=-1), ValueError, "run is -1: expected a whole number from 0"),

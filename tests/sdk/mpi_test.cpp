@@ -204,8 +204,8 @@ TEST_CASE("a rank that is stopped, at whatever moment, ends the study in the sta
       CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
       INFO(outcome.err);
       CHECK(outcome.status != 0);
-      const bool is_named = has(outcome.err, "no message for 2 s, so it is taken for dead");
-      const bool is_joining = has(outcome.err, "error: the ranks have not found each other within 2 s");
+      const bool is_named = has(outcome.err, "no message for 2 s, so it is considered dead");
+      const bool is_joining = has(outcome.err, "error: the ranks did not connect to each other within 2 s");
       CHECK((is_named || is_joining));
       if (is_named) CHECK(has(outcome.err, "rank " + std::to_string(rank)));
       CHECK_FALSE(is_alive_after_a_while(victim));
@@ -219,8 +219,7 @@ TEST_CASE("a time-out that is no number of seconds is refused") {
     start.environment["BINNACLE_MPI_TIMEOUT"] = text;
     const auto outcome = binnacle::test::binnacle(bench, {"study", "good.json"}, start);
     CHECK(outcome.status == 2);
-    CHECK(has(outcome.err,
-              std::string("error: BINNACLE_MPI_TIMEOUT takes seconds, from 1 to 86400; found '") + text + "'"));
+    CHECK(has(outcome.err, std::string("error: BINNACLE_MPI_TIMEOUT takes 1 to 86400 seconds; found '") + text + "'"));
   }
 }
 

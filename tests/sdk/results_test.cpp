@@ -262,7 +262,7 @@ TEST_CASE("a file that finds no room leaves nothing, exit status 5") {
 TEST_CASE("read() states in a line what is wrong with a folder") {
   const Workbench bench;
   const auto said = [&](const std::string& name) { return complaint_of(bench.path(name)); };
-  CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is no folder");
+  CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is not a folder");
   CHECK(said("").find("holds neither run.nc nor study.nc; make one with 'binnacle run CONFIG --out ") !=
         std::string::npos);
 
@@ -290,7 +290,7 @@ TEST_CASE("read() states in a line what is wrong with a folder") {
   fs::rename(bench.path("out/summary.json"), bench.path("summary.json"));
   CHECK(said("out").find("summary.json' cannot be read: it is not there") != std::string::npos);
   bench.write("out/summary.json", "{ \"filters\": ");
-  CHECK(said("out").find("summary.json' cannot be read: it is no JSON object") != std::string::npos);
+  CHECK(said("out").find("summary.json' cannot be read: it is not a JSON object") != std::string::npos);
 }
 
 TEST_CASE("ncdump shows what is in run.nc") {

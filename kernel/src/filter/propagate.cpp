@@ -125,7 +125,7 @@ void Estimator::check_noise(Time t) const {
       std::snprintf(value, sizeof value, "%.3g", variance);
       throw Stop(call_text(*process, process->van_loan_group >= 0 ? "linearized" : "propagate", t) + " gave '" +
                  block->name + "." + block->declaration().error[as_size(block->active[a])].name +
-                 "' the process noise " + value + ", which is no variance");
+                 "' the process noise " + value + ", which is not a variance");
     }
 }
 

@@ -179,7 +179,7 @@ struct Check {
     }
     at.warning("B111",
                name + " is " + written + (json().is_string() ? " (" + in_unit(value) + ")" : "") +
-                   ", which is hardly right: expected is " +
+                   ", which is implausible; expected: " +
                    (spec.least_plausible > 0 ? "between " + in_unit(spec.least_plausible) + " and " : "at most ") +
                    in_unit(spec.most_plausible) + "; " + hint);
   }

@@ -78,11 +78,12 @@ UtcClock::UtcClock(const Parameters& parameters) {
   if (parameters.has("week")) origin_ += parameters.integer("week") * 7 * day_length;
   if (parameters.has("leap_seconds")) leap_seconds_ = parameters.integer("leap_seconds") * second;
   if (!parameters.has("epoch")) return;
-  if (parameters.has("week")) throw ComponentError("there is 'week' too, and both say where time is zero", "/epoch");
+  if (parameters.has("week")) throw ComponentError("'week' is given too, and both give the origin of time", "/epoch");
   if (leap_seconds_) throw ComponentError("'epoch' is UTC, which needs none; they belong to 'week'", "/leap_seconds");
   const auto instant = parse_instant(parameters.text("epoch"));
   if (!instant)
-    throw ComponentError("'" + parameters.text("epoch") + "' is no instant of UTC; expected \"2026-11-23T12:00:00Z\"",
+    throw ComponentError("'" + parameters.text("epoch") +
+                             "' is not an instant of UTC; expected \"2026-11-23T12:00:00Z\"",
                          "/epoch");
   origin_ = *instant;
   is_gps_ = false;

@@ -102,9 +102,8 @@ Corrections::Corrections(const Binding& binding) {
     const auto key = excluded_key(names[i].text);
     if (!key)
       throw ComponentError("'" + names[i].text +
-                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the key "
-                               "of a row with three "
-                               "digits or more, \"4301\"",
+                               "' is not a satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the "
+                               "key of a row with three digits or more, \"4301\"",
                            "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }

@@ -31,7 +31,7 @@ constexpr std::array place_names = {"position",   "velocity",   "attitude",   "g
 
 constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
 constexpr const char* near_pole =
-    "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
+    "north-east-down axes are not defined at a pole, and the position is within 64 m of one";
 
 /// Where the blocks of the error model stand. Those whose least order is the second vanish in a first-order transition.
 struct TransitionPlace {
