@@ -194,7 +194,8 @@ TEST_CASE("what is wrong with a nmea_writer or a nmea source is said at its plac
   has(error_of(R"({"type": "nmea_writer", "input": "drive.truth", "to": "file:x"})"),
       "sentences carry UTC: give 'week'");
   has(error_of(nmea_writer("drive.truth", "file:x", R"(, "week": 3)")), "/sinks/nmea/epoch: there is 'week' too");
-  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "talker": "gps")")), "/sinks/nmea/talker: 'gps' is not a talker");
+  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "talker": "gps")")),
+      "/sinks/nmea/talker: 'gps' is not a talker");
   has(error_of(nmea_writer("drive.imu", "file:x")), "the channel has no field for a sentence");
   has(error_of(nmea_writer("drive.gnss", "file:x", R"(, "sentences": ["GGA", "HDT"])")), "HDT needs 'yaw'");
   has(error_of(nmea_writer("drive.truth", "file:x", R"(, "max_sigma": "3 m")")),
