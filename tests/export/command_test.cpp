@@ -63,7 +63,7 @@ TEST_CASE("export writes each format beside the results, says what is in it, and
   const auto text = results.to("gpx", {"-o", "here.gpx"});
   CHECK(text.status == 0);
   CHECK(text.out == "here.gpx: 972 records of filter 'ins', of 972\n");
-  CHECK(contains(text.err, "note: the file has no times: nothing in the run says what its time counts from"));
+  CHECK(contains(text.err, "note: the file has no times: the run does not give the origin of its time"));
   CHECK(contains(text.err, "note: the file has no heights: gpx has those above the sea"));
   const auto piped = results.to("csv", {"-o", "/dev/stdout", "--columns", "position", "--every", "971"});
   CHECK(piped.status == 0);
@@ -83,7 +83,7 @@ TEST_CASE("export refuses by exit status 2 what is asked wrongly, and writes not
     CHECK(contains(outcome.err, message));
     CHECK(files_in(results.bench.path("out")) == files);
   };
-  refused("pos", {}, "--week N (GPS time from the begin of a week");
+  refused("pos", {}, "--week N (GPS time from the start of a week");
   refused("shp", {}, "--to");
   refused("kml", {"--filter", "inz"}, "the run has no filter 'inz'; it has 'ins'");
   refused("kml", {"--rate", "0"}, "--rate takes a rate above 0");

@@ -43,7 +43,7 @@ def test_a_page_into_a_fifo_that_nobody_reads(binnacle, write, tmp_path, words):
     write("x.csv", ROWS)
     assert binnacle("run", "c.json", "--out", "out", "--quiet").status == 0
     os.mkfifo(tmp_path / "pipe")
-    binnacle(*words, "pipe", within=15).refused(2, "'pipe'", "FIFO that nobody reads")
+    binnacle(*words, "pipe", within=15).refused(2, "'pipe'", "FIFO without a reader")
 
 
 @pytest.mark.parametrize("name", ["pipe", "pipe.csv", "pipe.ubx", "pipe.nmea", "pipe.pos", "pipe.gz"])

@@ -479,7 +479,7 @@ TEST_CASE("files that are none are refused, with name and line") {
     return std::string("nothing");
   };
   const std::string o = observations(2, {epoch(0, 2)}), nav = navigation(four);
-  CHECK(refusal("hello\n", nav).find("no RINEX file") != std::string::npos);
+  CHECK(refusal("hello\n", nav).find("not a RINEX file") != std::string::npos);
   CHECK(refusal(nav, o).find("is no file of observations") != std::string::npos);
   std::string newer = o;
   newer.replace(5, 4, "4.00");

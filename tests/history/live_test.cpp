@@ -267,7 +267,7 @@ TEST_CASE(
     REQUIRE(doubts.items().size() == 1);
     CHECK(doubts.items().front().code == "B123");
     CHECK_THAT(doubts.items().front().message,
-               Catch::Contains("s behind what had arrived") && Catch::Contains("history 1 s"));
+               Catch::Contains("s behind the arrivals") && Catch::Contains("history 1 s"));
   }
 }
 

@@ -193,7 +193,7 @@ TEST_CASE("what is wrong with a nmea_writer or a nmea source is said at its plac
   };
   has(error_of(R"({"type": "nmea_writer", "input": "drive.truth", "to": "file:x"})"),
       "sentences carry UTC: give 'week'");
-  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "week": 3)")), "/sinks/nmea/epoch: there is 'week' too");
+  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "week": 3)")), "/sinks/nmea/epoch: 'week' is given too");
   has(error_of(nmea_writer("drive.truth", "file:x", R"(, "talker": "gps")")),
       "/sinks/nmea/talker: 'gps' is not a talker");
   has(error_of(nmea_writer("drive.imu", "file:x")), "the channel has no field for a sentence");

@@ -150,8 +150,8 @@ TEST_CASE("csv: calendar labels that do not go together point at the config", "[
   CHECK_THAT(said({{"column", text("t")}, {"date_column", text("date")}}),
              Contains("/time/date_column: no column 'date'"));
   const auto numbers = parameters(file.path(), {{"a", column("a")}});
-  CHECK_THAT(fault_of(with(numbers, "week", count(2446))), Contains("/week: it says where time is zero"));
-  CHECK_THAT(fault_of(with(numbers, "epoch", text("1970-01-01"))), Contains("/epoch: it says where time is zero"));
+  CHECK_THAT(fault_of(with(numbers, "week", count(2446))), Contains("/week: it gives the origin of time"));
+  CHECK_THAT(fault_of(with(numbers, "epoch", text("1970-01-01"))), Contains("/epoch: it gives the origin of time"));
 }
 
 TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv]") {

@@ -186,7 +186,7 @@ class Live(unittest.TestCase):
                     connection.sendall(("\n".join(part) + "\n").encode())
             out, err, status = self.interrupt_when_done(process)
         self.assertEqual(status, 0, err)
-        self.assertIn("nobody is there, or the connection was lost", err)
+        self.assertIn("there is no connection, or it was lost", err)
         self.assertIn("the connection is restored", err)
         self.assert_same(out, err)
 
