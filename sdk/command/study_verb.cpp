@@ -217,8 +217,8 @@ study::Study load(const Options& options) {
 
 /// What an interrupted study leaves.
 std::string left(const Options& options) {
-  return options.out.empty() ? "nothing was written (with --out DIR a study goes on where it was)"
-                             : "the same command goes on from here";
+  return options.out.empty() ? "nothing was written (with --out DIR a study continues where it stopped)"
+                             : "the same command continues from here";
 }
 
 /// mpirun ends all of its processes when one of them dies, so this may be how the others learn of it.
@@ -232,7 +232,7 @@ void announce_workers(const Options& options, const study::Team& team, const stu
   if (!options.quiet)
     to_stderr(fmt::format("{}, {}{}", counted(static_cast<std::size_t>(team.size()), "rank"),
                           counted(static_cast<std::size_t>(jobs + coordinator.threads()), "thread"),
-                          options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there"));
+                          options.out.empty() ? "" : "; after an interruption, the same command continues it"));
 }
 
 /// A rank other than 0: does runs and says nothing.

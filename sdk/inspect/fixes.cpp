@@ -361,7 +361,7 @@ void ask_frozen(const Channel& channel, const Fixes& fixes, Findings& findings) 
        [&](std::size_t a, std::size_t b) {
          return (fixes.t[b] - fixes.t[a]) * std::min(fixes.v[a].head<2>().norm(), fixes.v[b].head<2>().norm()) > 5;
        },
-       "position_held", "lat, lon", "the position is held while the velocity goes on");
+       "position_held", "lat, lon", "the position is held while the velocity changes");
   // Jumps: beyond ten times the 99th percentile of what single steps are off by, and 5 m.
   std::vector<double> off{0};
   for (std::size_t i = 1; i < fixes.t.size(); ++i) {

@@ -50,9 +50,8 @@ const Mistake mistakes[] = {
      "is {\"type\": \"random_constant\", \"blocks\": {\"x\": \"place\"}}\n"
      "1 error\n"},
     {"duplicate key", R"~("size": 1,)~", R"~("size": 1, "size": 2,)~", 3,
-     "bad.json:11:49: error[B002] /filters/walk/blocks/place/size: duplicate key 'size'; it already stands at line 11, "
-     "column 38\n"
-     "1 error\n"},
+     "bad.json:11:49: error[B002] /filters/walk/blocks/place/size: duplicate key 'size'; the first is at line 11, "
+     "column 38\n1 error\n"},
     {"comma missing", R"~("size": 1,)~", R"~("size": 1)~", 3,
      "bad.json:11:47: error[B001]: expected ',' or '}' after the value, found '\"'\n"
      "1 error\n"},

@@ -174,7 +174,7 @@ TEST_CASE("a study that was killed goes on where it was, and its files are those
     running.signal(signal);
     const auto outcome = running.wait();
     REQUIRE(outcome.signal == signal);
-    if (signal == SIGINT) CHECK(outcome.err == "error: interrupted; the same command goes on from here\n");
+    if (signal == SIGINT) CHECK(outcome.err == "error: interrupted; the same command continues from here\n");
     CHECK_FALSE(fs::exists(bench.path(folder + "/study.csv")));
     const auto kept = lines_in(journal) - 1;
     REQUIRE(kept >= 3);

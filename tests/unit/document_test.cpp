@@ -120,8 +120,8 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
   CHECK(errors_of("{\n  \"a\" 1\n}") == "a.json:2:7: error[B001]: expected ':' after the key 'a', found '1'");
   CHECK(errors_of("{\"a\": tau}") == "a.json:1:7: error[B001]: expected a value, found 'tau'");
   CHECK(errors_of("{\"a\": 2h}") ==
-        "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit stands in "
-        "double quotes");
+        "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit needs double "
+        "quotes");
   CHECK(errors_of("{\"a\": 01}").find("bad number '01'") != std::string::npos);
   CHECK(errors_of("{'a': 1}") ==
         "a.json:1:2: error[B001]: expected a key in double quotes or '}', found a single quote; texts stand "
@@ -156,10 +156,9 @@ TEST_CASE("what a text and a number cannot hold is reported with its place", "[d
 
 TEST_CASE("commas too many, commas too few and duplicate keys are reported together", "[document]") {
   CHECK(errors_of("{\n  \"a\": [1, 2,],\n  \"b\": 1\n  \"c\": 2,\n  \"a\": 3,\n}") ==
-        "a.json:2:13: error[B001]: trailing comma before ']'; delete it\n"
-        "a.json:3:9: error[B001]: expected ',' or '}' after the value, found '\"'\n"
-        "a.json:5:3: error[B002] /a: duplicate key 'a'; it already stands at line 2, column 3\n"
-        "a.json:5:9: error[B001]: trailing comma before '}'; delete it");
+        "a.json:2:13: error[B001]: trailing comma before ']'; delete it\na.json:3:9: error[B001]: expected ',' or '}' "
+        "after the value, found '\"'\na.json:5:3: error[B002] /a: duplicate key 'a'; the first is at line 2, column "
+        "3\na.json:5:9: error[B001]: trailing comma before '}'; delete it");
 }
 
 TEST_CASE("places of keys and values", "[document]") {

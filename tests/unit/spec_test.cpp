@@ -357,7 +357,7 @@ TEST_CASE("a spec that contradicts itself is found out", "[spec]") {
                      choice("c", {}),
                      number("d", "m").required().defaults("1"),
                      number("e", "parsec")};
-  CHECK(spec_defects(spec) == Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' stands twice",
+  CHECK(spec_defects(spec) == Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' appears twice",
                                     "parameter 'b' has the unit of the port 'y', which it lacks",
                                     "parameter 'c' has nothing to choose from",
                                     "parameter 'd' is required and has a default",

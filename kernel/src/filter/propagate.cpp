@@ -56,7 +56,7 @@ void Estimator::run_process(std::size_t index, const Step& step, std::span<const
   if (is_kept && process.kept == Kept::all) return;
   const Result result = run_model(index, step, samples, has_written ? Jacobians::none : Jacobians::wanted);
   if (!result)
-    throw Stop("process '" + process.name + "' cannot go on at " + time_text(step.t1) + ": " + result.reason);
+    throw Stop("process '" + process.name + "' cannot continue at " + time_text(step.t1) + ": " + result.reason);
 }
 
 /// x⁺ = Φ x of what is kept whole: the model's own product, to the bit.
