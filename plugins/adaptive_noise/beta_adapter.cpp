@@ -25,22 +25,23 @@ ComponentSpec BetaAdapter::spec() {
       "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), (9)-(30), "
       "with the division of (19) in (20) and (26)";
   spec.parameters = {
-      integer("window").at_least(1).at_most(100000).defaults("25").about("N, samples of this measurement"),
+      integer("window").at_least(1).at_most(100000).defaults("25").about(
+          "length N of the window in samples of this measurement"),
       choice("per", {"group", "component", "one"})
           .defaults("\"group\"")
-          .about("what shares one beta: the rows of a group (a part of a stack), no two rows, or all rows"),
+          .about("rows that share one beta: those of a group (a part of a stack), none, or all"),
       number("r1_factor", "1")
           .at_least(0)
           .defaults("1e-3")
-          .about("standard deviation of R1 as a factor on the nominal one, where r1 says nothing"),
+          .about("standard deviation of R1 as a factor on the nominal one, for groups that r1 does not list"),
       map("r1", number("sigma", "*")).about("standard deviation of R1 by group"),
       map("r2", number("sigma", "*"))
-          .about("standard deviation of R2 by group; where it says nothing R2 is the nominal R, and beta is a factor "
-                 "on it"),
+          .about("standard deviation of R2 by group; for groups that are not listed R2 is the nominal R, and beta is a "
+                 "factor on it"),
       choice("start", {"nominal", "literal"})
           .defaults("\"nominal\"")
-          .about("nominal R until the window is full, or beta from the first sample as the paper has it"),
-      boolean("hold").defaults("false").about("where beta would be negative keep the last one instead of zero"),
+          .about("R before the window is full: the nominal R, or with beta from the first sample as in the paper"),
+      boolean("hold").defaults("false").about("keep the last beta if the new one would be negative; default: use zero"),
   };
   for (ParameterSpec& bound : bounds_parameters("0")) spec.parameters.push_back(std::move(bound));
   spec.example = R"({ "window": 25, "start": "nominal", "hold": true })";

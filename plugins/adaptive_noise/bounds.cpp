@@ -14,16 +14,16 @@ std::vector<ParameterSpec> bounds_parameters(std::string floor) {
       number("floor", "1")
           .at_least(0)
           .defaults(std::move(floor))
-          .about("least standard deviation, as a factor on the nominal one"),
+          .about("smallest standard deviation, as a factor on the nominal one"),
       number("ceiling", "1")
           .above(0)
-          .about("greatest standard deviation, as a factor on the nominal one; unbounded unless given"),
+          .about("largest standard deviation, as a factor on the nominal one; default: no bound"),
   };
 }
 
 Bounds read_bounds(const Parameters& parameters) {
   const Bounds bounds{parameters.number("floor"), parameters.has("ceiling") ? parameters.number("ceiling") : 1e150};
-  if (bounds.ceiling < bounds.floor) throw ComponentError("the ceiling lies below the floor", "/ceiling");
+  if (bounds.ceiling < bounds.floor) throw ComponentError("the ceiling is below the floor", "/ceiling");
   return bounds;
 }
 
@@ -31,7 +31,7 @@ ParameterSpec learn_below_parameter() {
   return parameter::number("learn_below", "1")
       .above(0)
       .defaults("1")
-      .about("a row teaches nothing while HP-H' is more than this many times its nominal R");
+      .about("rows are not used for the estimate while HP-H' exceeds this factor times their nominal R");
 }
 
 void set_variances(const double* variances, MatrixView R) noexcept {

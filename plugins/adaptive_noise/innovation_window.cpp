@@ -79,13 +79,15 @@ ComponentSpec InnovationWindow::spec() {
       "A. H. Mohamed and K. P. Schwarz, Adaptive Kalman filtering for INS/GPS, Journal of Geodesy 73 (1999), 193-203, "
       "doi:10.1007/s001900050236";
   spec.parameters = {
-      integer("window").at_least(2).at_most(100000).defaults("50").about("N, samples of this measurement"),
+      integer("window").at_least(2).at_most(100000).defaults("50").about(
+          "length N of the window in samples of this measurement"),
       choice("from", {"innovation", "residual"})
           .defaults("\"residual\"")
-          .about("C - HP-H' before the update, or C + HP+H' after it, which is never negative"),
+          .about("source of R: C - HP-H' of the innovations before the update, or C + HP+H' of the residuals after it, "
+                 "which is never negative"),
       choice("shape", {"diagonal", "full"})
           .defaults("\"diagonal\"")
-          .about("variances alone, with the correlations of the nominal R, or the matrix"),
+          .about("estimated part of R: variances with the correlations of the nominal R, or the full matrix"),
       learn_below_parameter(),
   };
   for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));

@@ -16,17 +16,17 @@ ComponentSpec SageHusa::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "sage_husa";
-  spec.summary = "R as a mean of innovations or residuals that forgets";
+  spec.summary = "R as a mean of innovations or residuals with exponential forgetting";
   spec.source =
       "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference "
       "1969; "
       "with fading memory as commonly used";
   spec.parameters = {
-      number("forgetting", "1").above(0).at_most(1).defaults("0.98").about("b: 1 forgets nothing"),
+      number("forgetting", "1").above(0).at_most(1).defaults("0.98").about("forgetting factor b; 1: no forgetting"),
       choice("from", {"innovation", "residual"})
           .defaults("\"innovation\"")
-          .about(
-              "r^2 - HP-H', which may become negative, or the residual after the update, e^2 + HP+H', which may not"),
+          .about("source of R: innovations, r^2 - HP-H', which may become negative, or residuals after the update, e^2 "
+                 "+ HP+H', which may not"),
       learn_below_parameter(),
   };
   for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));

@@ -26,7 +26,7 @@ std::int64_t key_of(const std::string& text) {
   std::int64_t key = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), key);
   if (error != std::errc() || end != text.data() + text.size())
-    throw ComponentError("an anchor is listed by its whole number, as the channel's field has it: \"105\"",
+    throw ComponentError("an anchor is listed by its whole number, as in the channel's field: \"105\"",
                          "/anchors/" + text);
   return key;
 }
@@ -36,18 +36,24 @@ std::int64_t key_of(const std::string& text) {
 ParameterSpec Anchors::parameter() {
   using parameter::number;
   std::vector<ParameterSpec> members = point_parameters();
-  members.push_back(
-      number("bias", "m").defaults("0").plausible(0, 1e4).about("what its ranges have too much; known beforehand"));
-  members.push_back(number("sigma", "m").above(0).plausible(1e-4, 1e4).about("instead of the model's own 'sigma'"));
+  members.push_back(number("bias", "m")
+                        .defaults("0")
+                        .plausible(0, 1e4)
+                        .about("known bias of the anchor's ranges, positive if they are too long"));
+  members.push_back(number("sigma", "m")
+                        .above(0)
+                        .plausible(1e-4, 1e4)
+                        .about("standard deviation for this anchor, instead of the model's 'sigma'"));
   return parameter::map("anchors", parameter::object("anchor", std::move(members)))
-      .about("by the number that the channel has for it; its place, unless the channel carries that (anchor_x …)");
+      .about(
+          "anchors by their number in the channel, with their positions unless the channel carries these (anchor_x …)");
 }
 
 std::vector<FieldSpec> Anchors::place_fields() {
   std::vector<FieldSpec> fields;
-  for (const auto& [kind, text] : {std::pair(PlaceKind::geodetic, "place of the anchor, geodetic"),
-                                   std::pair(PlaceKind::ecef, "place of the anchor, ECEF"),
-                                   std::pair(PlaceKind::local, "place of the anchor, local")}) {
+  for (const auto& [kind, text] : {std::pair(PlaceKind::geodetic, "position of the anchor, geodetic"),
+                                   std::pair(PlaceKind::ecef, "position of the anchor, ECEF"),
+                                   std::pair(PlaceKind::local, "position of the anchor, local")}) {
     const auto& names = coordinate_names(kind);
     for (int i = 0; i < 3; ++i) {
       const bool is_angle = kind == PlaceKind::geodetic && i < 2;
@@ -66,9 +72,9 @@ Anchors::Anchors(const Binding& binding, const SensorPlace& sensor, From from) :
   if (listed_.empty() && from == From::config) throw ComponentError("no anchor is listed", "/anchors");
   if (listed_.empty() && !row_place_)
     throw ComponentError(
-        "nobody says where the anchors are: list them as \"anchors\": {\"1\": {\"lat\": …, \"lon\": …, \"height\": "
-        "…}}, "
-        "or let the channel carry anchor_lat, anchor_lon, anchor_height (or anchor_x …, anchor_north …) per row",
+        "the positions of the anchors are missing: list them as \"anchors\": {\"1\": {\"lat\": …, \"lon\": …, "
+        "\"height\": …}}, or let the channel carry anchor_lat, anchor_lon, anchor_height (or anchor_x …, anchor_north "
+        "…) per row",
         "/anchors");
 }
 
@@ -88,10 +94,11 @@ void Anchors::find_row_place(const Binding& binding) {
     }
     if (count == 0) continue;
     if (!missing.empty())
-      throw ComponentError("the channel carries a part of the anchors' places, and no field for '" + missing + "'",
+      throw ComponentError("the channel carries only part of the anchors' positions, without a field for '" + missing +
+                               "'",
                            "/fields");
     if (row_place_)
-      throw ComponentError("the channel carries the anchors' places in two kinds of coordinates", "/fields");
+      throw ComponentError("the channel carries the anchors' positions in two kinds of coordinates", "/fields");
     sensor_.demand(kind, "/fields");
     row_place_ = place;
   }
@@ -104,9 +111,10 @@ void Anchors::read_listed(const Binding& binding) {
     const Parameters object(value);
     const std::optional<Point> point = sensor_.read(object, pointer);
     if (point && row_place_)
-      throw ComponentError("the channel carries the anchors' places: leave them out here, or there", pointer);
+      throw ComponentError("the channel carries the anchors' positions: remove them here, or there", pointer);
     if (!point && !row_place_)
-      throw ComponentError("the anchor has no place: give lat, lon, height or x, y, z or north, east, down", pointer);
+      throw ComponentError("the anchor has no position: give lat, lon, height or x, y, z or north, east, down",
+                           pointer);
     AnchorSight anchor{key_of(name), count(), Eigen::Vector3d::Zero(), object.number("bias"), 0};
     if (point) anchor.r = sensor_.bring(*point);
     if (object.has("sigma")) anchor.variance = object.number("sigma") * object.number("sigma");
@@ -141,7 +149,7 @@ std::optional<AnchorSight> Anchors::sight(const MeasurementInput& in, int row, R
   if (key_field.is_bound()) {
     key = whole(in.sample(row, key_field));
     if (!key) {
-      in.notes.leave("a row is left out: the number of its anchor is no whole number");
+      in.notes.leave("a row is left out: the number of its anchor is not a whole number");
       return std::nullopt;
     }
   }
@@ -157,7 +165,7 @@ std::optional<AnchorSight> Anchors::sight(const MeasurementInput& in, int row, R
     if (const RowField f = row_place_->fields[static_cast<std::size_t>(i)]; f.is_bound())
       point.coordinates[i] = in.sample(row, f);
   if (!point.coordinates.allFinite()) {
-    in.notes.leave("a row is left out: its anchor has no place");
+    in.notes.leave("a row is left out: its anchor has no position");
     return std::nullopt;
   }
   anchor.r = sensor_.bring(point);

@@ -29,23 +29,24 @@ FieldSpec optional(std::string name, const char* unit, const char* text) {
 ComponentSpec AttitudeFix::spec() {
   ComponentSpec spec;
   spec.type = "attitude_fix";
-  spec.summary = "An attitude that another system gives: a quaternion, a matrix, or roll, pitch and yaw.";
+  spec.summary = "An attitude from another system, as a quaternion, a matrix, or roll, pitch and yaw.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 2.2 and "
       "6.1";
   spec.parameters = {Deviations::parameter(3, "rad", 1e-6, 1),
                      parameter::choice("form", {"quaternion", "dcm", "angles"})
-                         .about("which of them is read; the one that the channel carries")};
-  spec.ports = {reads("attitude", "attitude").about("of the body, or a mounted_attitude of the other system's axes")};
+                         .about("form of the attitude; default: the form that the channel carries")};
+  spec.ports = {
+      reads("attitude", "attitude").about("attitude of the body, or a mounted_attitude of the other system's axes")};
   for (const char* name : {"qw", "qx", "qy", "qz"})
     spec.fields.push_back(optional(name, "1", "quaternion, body (forward, right, down) to north, east, down"));
   for (const char* row : {"1", "2", "3"})
     for (const char* col : {"1", "2", "3"})
       spec.fields.push_back(
-          optional(std::string("c") + row + col, "1", "of C_nb: row north, east or down, column x, y or z"));
-  spec.fields.push_back(optional("roll", "rad", "right side down positive"));
-  spec.fields.push_back(optional("pitch", "rad", "nose up positive"));
-  spec.fields.push_back(optional("yaw", "rad", "clockwise from north"));
+          optional(std::string("c") + row + col, "1", "element of C_nb: row north, east or down, column x, y or z"));
+  spec.fields.push_back(optional("roll", "rad", "roll, right side down positive"));
+  spec.fields.push_back(optional("pitch", "rad", "pitch, nose up positive"));
+  spec.fields.push_back(optional("yaw", "rad", "yaw, clockwise from true north"));
   for (const char* axis : {"north", "east", "down"}) spec.fields.push_back(Deviations::field(axis, "rad"));
   spec.example = R"json({"channel": "star_tracker", "blocks": {"attitude": "attitude"}, "form": "angles",
     "sigma": ["0.1 deg", "0.1 deg", "0.3 deg"], "gate": 0.999})json";
@@ -99,7 +100,7 @@ const char* AttitudeFix::read(const SampleView& sample, Vector4d& q_nb) const {
     const Eigen::Matrix<double, 9, 1> elements = sample[dcm_];
     const Matrix3d C = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(elements.data());
     if (!((C * C.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() < rounding) || !(C.determinant() > 0))
-      return "the matrix is no rotation";
+      return "the matrix is not a rotation";
     q_nb = strapdown::quaternion_from_dcm(C).normalized();
   }
   return nullptr;

@@ -17,29 +17,37 @@ constexpr double nearest = 1e-6;  // m: above or below the observer there is no 
 ComponentSpec Bearing::spec() {
   ComponentSpec spec;
   spec.type = "bearing";
-  spec.summary = "The direction in which an observer sees a point: azimuth and, where there is one, elevation.";
+  spec.summary = "The direction from an observer to a point: azimuth and optional elevation.";
   spec.source =
       "Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3";
-  spec.parameters = {parameter::number("sigma", "rad").above(0).required().about("of the azimuth's white noise"),
-                     parameter::number("elevation_sigma", "rad")
-                         .above(0)
-                         .about("of the elevation's white noise; as the azimuth's if absent"),
-                     parameter::object("point", point_parameters()).about("the target, where it is no block"),
-                     parameter::origin()};
-  spec.ports = {
-      reads("target", "*")
-          .optional()
-          .about("the point: vector:2:m or vector:3:m (north, east, down in local axes), position or position.ecef"),
-      reads("observer", "*").optional().about("who sees it, alike; else the sample has its place in local axes"),
-      reads("attitude", "attitude").optional().about("of the observer: angles are from its forward and its deck"),
-      reads("heading", "heading").optional().about("the same of a vehicle on the ground: azimuth from forward")};
-  spec.fields = {field::level("azimuth", "rad").about("clockwise from north, or from forward"),
+  spec.parameters = {
+      parameter::number("sigma", "rad").above(0).required().about("standard deviation of the azimuth's white noise"),
+      parameter::number("elevation_sigma", "rad")
+          .above(0)
+          .about("standard deviation of the elevation's white noise; default: that of the azimuth"),
+      parameter::object("point", point_parameters()).about("position of the target, if it is not a block"),
+      parameter::origin()};
+  spec.ports = {reads("target", "*")
+                    .optional()
+                    .about("position of the point: vector:2:m or vector:3:m (north, east, down in local axes), "
+                           "position or position.ecef"),
+                reads("observer", "*")
+                    .optional()
+                    .about("position of the observer, of the same kind; default: the sample gives it in local axes"),
+                reads("attitude", "attitude")
+                    .optional()
+                    .about("attitude of the observer; with it, angles are relative to its forward axis and its deck"),
+                reads("heading", "heading")
+                    .optional()
+                    .about(
+                        "heading of an observer on the ground; with it, the azimuth is relative to its forward axis")};
+  spec.fields = {field::level("azimuth", "rad").about("azimuth, clockwise from north or from forward"),
                  field::level("elevation", "rad")
                      .optional()
-                     .about("above the horizon or the deck; of a target with three components"),
-                 field::level("observer_north", "m").optional().about("place of the observer, unless it is a block"),
-                 field::level("observer_east", "m").optional().about("place of the observer, unless it is a block"),
-                 field::level("observer_down", "m").optional().about("place of the observer, unless it is a block")};
+                     .about("elevation above the horizon or the deck; for a target with three components"),
+                 field::level("observer_north", "m").optional().about("position of the observer, if it is not a block"),
+                 field::level("observer_east", "m").optional().about("position of the observer, if it is not a block"),
+                 field::level("observer_down", "m").optional().about("position of the observer, if it is not a block")};
   spec.example =
       R"json({"channel": "sonar", "blocks": {"target": "target", "observer": "vessel"}, "sigma": "0.5 deg"})json";
   spec.surroundings = R"json({"blocks": {
@@ -137,7 +145,7 @@ Eigen::Matrix3d Bearing::axes(const PortValues& x) const {
 
 Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
   const strapdown::Way way = this->way(in);
-  if (!way.d.allFinite()) return Result::invalid("the observer's place is not finite");
+  if (!way.d.allFinite()) return Result::invalid("the observer's position is not finite");
   const Eigen::Matrix3d C = axes(in.x);
   const Eigen::Vector3d d = C * way.d;
   const double azimuth = in.sample[azimuth_], rho = std::hypot(d[0], d[1]);

@@ -26,7 +26,8 @@ ComponentSpec BodyVelocity::spec() {
   ComponentSpec spec;
   spec.type = "body_velocity";
   spec.summary =
-      "A velocity over ground in body axes, of a Doppler log, wheels or a camera; scale and mounting are estimated.";
+      "A velocity over ground in body axes, from a Doppler log, wheels or a camera; scale factor and mounting can be "
+      "estimated.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 6.5 and "
       "16.2.5; mounting: paper 001, equation (5)";
@@ -35,18 +36,17 @@ ComponentSpec BodyVelocity::spec() {
                          .at_least(0)
                          .below(1)
                          .defaults("0")
-                         .about("adds (relative * speed)^2 to each variance, the speed as measured")};
-  spec.ports =
-      vehicle::VehicleVelocity::ports("of the sensor: a lever_arm_velocity unless the IMU is there",
-                                      "of the sensor as it is thought to be: a mounted_attitude unless the IMU's "
-                                      "axes are its");
+                         .about("relative noise: adds (relative * measured speed)^2 to each variance")};
+  spec.ports = vehicle::VehicleVelocity::ports(
+      "velocity of the sensor: a lever_arm_velocity, unless the sensor is at the IMU",
+      "nominal attitude of the sensor: a mounted_attitude, unless its axes are those of the IMU");
   spec.ports.push_back(
       reads("scale", "vector:*:1")
           .optional()
-          .about("scale factor error s: the sensor reports (1 + s) times the velocity; one, or x y z"));
-  spec.fields = {field::level("vx", "m/s").optional().about("over ground, along the sensor's x, forward"),
-                 field::level("vy", "m/s").optional().about("right"),
-                 field::level("vz", "m/s").optional().about("down")};
+          .about("scale factor error s: the sensor reports (1 + s) times the velocity; one component, or x y z"));
+  spec.fields = {field::level("vx", "m/s").optional().about("velocity over ground along the sensor's x, forward"),
+                 field::level("vy", "m/s").optional().about("velocity over ground along y, right"),
+                 field::level("vz", "m/s").optional().about("velocity over ground along z, down")};
   for (const char* name : names) spec.fields.push_back(Deviations::field(name, "m/s"));
   spec.example = R"json({"channel": "dvl", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment", "scale": "scale"}, "sigma": "1 cm/s", "relative": 0.005, "gate": 0.999})json";
@@ -90,7 +90,7 @@ Result BodyVelocity::linearize(const MeasurementInput& in, MeasurementOutput& ou
     out.residual[row] = z - factor[axis] * value.v_v[axis];
     direction(row, axis) = factor[axis];
   }
-  if (!std::isfinite(square)) return Result::invalid("the velocity is beyond all reason");
+  if (!std::isfinite(square)) return Result::invalid("the velocity is implausible");
   for (int row = 0; row < rows_; ++row) out.R(row, row) += relative_ * relative_ * square;
   out.rows = rows_;
   velocity_.write_jacobians(value, direction, out.H);

@@ -11,23 +11,22 @@ namespace binnacle::aiding {
 ComponentSpec Course::spec() {
   ComponentSpec spec;
   spec.type = "course";
-  spec.summary =
-      "The direction of the horizontal velocity, where it is given without the speed or with one not to be believed.";
+  spec.summary = "The direction of the horizontal velocity, if the speed is missing or not reliable.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 6.1.4";
-  spec.parameters = {
-      Deviations::parameter(1, "rad", 1e-5, 2),
-      parameter::number("velocity_sigma", "m/s")
-          .at_least(0)
-          .plausible(1e-4, 10)
-          .defaults("\"0.1 m/s\"")
-          .about("of the velocity of which it is the direction: adds (velocity_sigma / speed)^2 to the variance"),
-      parameter::number("min_speed", "m/s")
-          .above(0)
-          .defaults("\"1 m/s\"")
-          .about("horizontal speed of the estimate; slower: unsupported")};
-  spec.ports = {reads("velocity", "velocity.ned").about("of the antenna: a lever_arm_velocity")};
-  spec.fields = {field::level("course", "rad").about("over ground, clockwise from north"),
+  spec.parameters = {Deviations::parameter(1, "rad", 1e-5, 2),
+                     parameter::number("velocity_sigma", "m/s")
+                         .at_least(0)
+                         .plausible(1e-4, 10)
+                         .defaults("\"0.1 m/s\"")
+                         .about("1-sigma of the velocity from which the course is computed: adds (velocity_sigma / "
+                                "speed)^2 to the variance"),
+                     parameter::number("min_speed", "m/s")
+                         .above(0)
+                         .defaults("\"1 m/s\"")
+                         .about("least horizontal speed of the estimate; samples at lower speeds are unsupported")};
+  spec.ports = {reads("velocity", "velocity.ned").about("velocity of the antenna: a lever_arm_velocity")};
+  spec.fields = {field::level("course", "rad").about("course over ground, clockwise from north"),
                  Deviations::field("course", "rad")};
   spec.example =
       R"json({"channel": "log", "blocks": {"velocity": "velocity"}, "sigma": "0.5 deg", "min_speed": "2 m/s"})json";

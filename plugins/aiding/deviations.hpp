@@ -24,7 +24,7 @@ class Deviations {
     return std::move(spec)
         .above(0)
         .plausible(least, most)
-        .about("standard deviation of the white noise, where the channel reports none; required if it does not");
+        .about("standard deviation of the white noise, used if the channel reports none; then required");
   }
   static FieldSpec field(const std::string& name, const std::string& unit) {
     return field::level(name + "_sd", unit).optional().about("standard deviation of " + name);

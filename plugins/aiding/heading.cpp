@@ -13,7 +13,7 @@ namespace binnacle::aiding {
 ComponentSpec Heading::spec() {
   ComponentSpec spec;
   spec.type = "heading";
-  spec.summary = "The heading of a line on the body: of two antennas, a compass, a gyrocompass.";
+  spec.summary = "The heading of a line on the body, from two antennas, a compass or a gyrocompass.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 6.1.1 "
       "and "
@@ -22,25 +22,24 @@ ComponentSpec Heading::spec() {
       Deviations::parameter(1, "rad", 1e-5, 1),
       parameter::vector("baseline", "1", 3)
           .defaults("[1, 0, 0]")
-          .about(
-              "direction of the line in body axes, of any length: from the rear antenna to the front one; [0, 1, 0]: "
-              "from the left to the right"),
+          .about("direction of the line in body axes, of any length: from the rear antenna to the front antenna; [0, "
+                 "1, 0]: from left to right"),
       parameter::number("declination", "rad")
           .at_least(-std::numbers::pi)
           .at_most(std::numbers::pi)
           .defaults("0")
-          .about("of a magnetic heading: true heading less magnetic, positive to the east"),
+          .about("declination for a magnetic heading: true heading minus magnetic heading, east positive"),
       parameter::number("max_slope", "rad")
           .above(0)
           .below(std::numbers::pi / 2)
           .defaults("\"80 deg\"")
-          .about("of the line over or under the horizon; steeper: unsupported")};
-  spec.ports = {reads("attitude", "attitude").about("of the body, or a mounted_attitude of the unit"),
+          .about("largest angle between the line and the horizon; samples with a steeper line are unsupported")};
+  spec.ports = {reads("attitude", "attitude").about("attitude of the body, or a mounted_attitude of the unit"),
                 reads("bias", "vector:1:rad")
                     .optional()
-                    .about(
-                        "what the reading is too far to the right: how the baseline is mounted, a compass' deviation")};
-  spec.fields = {field::level("heading", "rad").about("of the line, clockwise from north"),
+                    .about("bias of the measured heading, positive to the right: mounting of the baseline, or "
+                           "deviation of a compass")};
+  spec.fields = {field::level("heading", "rad").about("heading of the line, clockwise from north"),
                  Deviations::field("heading", "rad")};
   spec.example = R"json({"channel": "antennas", "blocks": {"attitude": "attitude", "bias": "heading_bias"},
     "baseline": [1, 0, 0], "sigma": "0.3 deg", "gate": 0.999})json";

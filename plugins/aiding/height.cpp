@@ -10,7 +10,8 @@ namespace binnacle::aiding {
 ComponentSpec Height::spec() {
   ComponentSpec spec;
   spec.type = "height";
-  spec.summary = "A height alone, of a barometer above all: with a bias and a scale factor that are estimated.";
+  spec.summary =
+      "A height without a horizontal position, usually from a barometer; bias and scale factor can be estimated.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 6.2.1 "
       "and "
@@ -18,15 +19,18 @@ ComponentSpec Height::spec() {
   spec.parameters = {Deviations::parameter(1, "m", 1e-3, 1e3),
                      parameter::number("reference", "m")
                          .defaults("0")
-                         .about("height at which the scale factor has no effect: where the bias was set")};
-  spec.ports = {reads("position", "*")
-                    .about("kind position (height above the ellipsoid), or vector:3:m (north, east, "
-                           "down); of the sensor: a lever_arm"),
-                reads("bias", "vector:1:m").optional().about("what the reading is too high: weather, geoid, reference"),
-                reads("scale", "vector:1:1")
-                    .optional()
-                    .about("scale factor error of the height over 'reference': air that is no standard atmosphere")};
-  spec.fields = {field::level("height", "m").about("upwards"), Deviations::field("height", "m")};
+                         .about("height at which the scale factor has no effect, usually where the bias was set")};
+  spec.ports = {
+      reads("position", "*")
+          .about("position of the sensor (a lever_arm): kind position (height above the ellipsoid), or vector:3:m "
+                 "(north, east, down)"),
+      reads("bias", "vector:1:m")
+          .optional()
+          .about("bias of the measured height, positive upwards: weather, geoid, reference"),
+      reads("scale", "vector:1:1")
+          .optional()
+          .about("scale factor error of the height over 'reference', because the air is not a standard atmosphere")};
+  spec.fields = {field::level("height", "m").about("height, upwards positive"), Deviations::field("height", "m")};
   spec.example = R"json({"channel": "barometer", "blocks": {"position": "position", "bias": "baro_bias",
     "scale": "baro_scale"}, "sigma": "0.3 m", "reference": "60 m", "gate": 0.999})json";
   spec.surroundings = R"json({"blocks": {

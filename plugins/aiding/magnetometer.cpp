@@ -25,21 +25,25 @@ std::vector<ParameterSpec> magnetometer_parameters() {
           number("declination", "rad")
               .at_least(-std::numbers::pi)
               .at_most(std::numbers::pi)
-              .about("of the field, from true north to the east; with 'inclination' and 'strength'"),
+              .about("declination of the field, from true north to the east; with 'inclination' and 'strength'"),
           number("inclination", "rad")
               .at_least(-std::numbers::pi / 2)
               .at_most(std::numbers::pi / 2)
-              .about("of the field, below the horizon: positive in the north"),
-          number("strength", "T").above(0).plausible(1e-6, 1e-3).about("of the field: 22 to 67 uT on the earth"),
+              .about("inclination of the field below the horizon, positive in the northern hemisphere"),
+          number("strength", "T")
+              .above(0)
+              .plausible(1e-6, 1e-3)
+              .about("magnetic flux density of the field: 22 to 67 uT on the earth"),
           vector("field", "T", 3)
               .plausible(1e-8, 1e-3)
-              .about("north, east, down, instead of declination, inclination and strength"),
+              .about("north, east and down components of the field, instead of declination, inclination and strength"),
           vector("hard_iron", "T", 3)
               .defaults("[0, 0, 0]")
-              .about("what the body's own magnets add, body axes, as a calibration gave it"),
+              .about("hard iron: field of the body's own magnets from a calibration, body axes"),
           matrix("soft_iron", "1", 3, 3)
               .defaults("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]")
-              .about("S0: what the sensor makes of a field in body axes, as a calibration gave it")};
+              .about(
+                  "soft iron: matrix S0 from a calibration, which maps the true to the measured field in body axes")};
 }
 
 Vector3d field_of(const Binding& binding, bool is_given) {
@@ -67,23 +71,26 @@ Vector3d field_of(const Binding& binding, bool is_given) {
 ComponentSpec Magnetometer::spec() {
   ComponentSpec spec;
   spec.type = "magnetometer";
-  spec.summary = "Three axes of the earth's magnetic field: what hard and soft iron add is estimated.";
+  spec.summary = "Three axes of the earth's magnetic field; hard and soft iron errors can be estimated.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 6.1.1";
   spec.parameters = magnetometer_parameters();
-  spec.ports = {reads("attitude", "attitude").about("of the body, or a mounted_attitude of the sensor"),
-                reads("hard_iron", "vector:3:T").optional().about("adds to the parameter, body axes"),
-                reads("soft_iron", "vector:*:1")
-                    .optional()
-                    .about("adds to the parameter: xx yy zz, or xx yy zz xy xz yz (symmetric), or nine row by row")};
-  spec.fields = {field::level("mx", "T").about("magnetic flux density along x, forward"),
-                 field::level("my", "T").about("right"), field::level("mz", "T").about("down")};
-  for (const char* name : {"mx", "my", "mz"}) spec.fields.push_back(Deviations::field(name, "T"));
-  spec.inputs = {
-      input("field", {field::level("north", "T").about("component to the north"),
-                      field::level("east", "T").about("to the east"), field::level("down", "T").about("downwards")})
+  spec.ports = {
+      reads("attitude", "attitude").about("attitude of the body, or a mounted_attitude of the sensor"),
+      reads("hard_iron", "vector:3:T").optional().about("estimated hard iron error, added to the parameter, body axes"),
+      reads("soft_iron", "vector:*:1")
           .optional()
-          .about("the field where the vehicle is, of a map or a model")};
+          .about("estimated soft iron error, added to the parameter: xx yy zz, or xx yy zz xy xz yz (symmetric), or "
+                 "nine row by row")};
+  spec.fields = {field::level("mx", "T").about("magnetic flux density along x, forward"),
+                 field::level("my", "T").about("magnetic flux density along y, right"),
+                 field::level("mz", "T").about("magnetic flux density along z, down")};
+  for (const char* name : {"mx", "my", "mz"}) spec.fields.push_back(Deviations::field(name, "T"));
+  spec.inputs = {input("field", {field::level("north", "T").about("north component of the field"),
+                                 field::level("east", "T").about("east component of the field"),
+                                 field::level("down", "T").about("down component of the field")})
+                     .optional()
+                     .about("magnetic field at the vehicle, from a map or a model")};
   spec.example = R"json({"channel": "compass", "blocks": {"attitude": "attitude", "hard_iron": "hard_iron",
     "soft_iron": "soft_iron"}, "declination": "3.5 deg", "inclination": "64 deg", "strength": "48 uT", "sigma": "0.25 uT",
     "gate": 0.999})json";

@@ -26,13 +26,13 @@ std::vector<ParameterSpec> point_parameters() {
   constexpr double quarter = std::numbers::pi / 2;
   return {number("lat", "rad").at_least(-quarter).at_most(quarter).about("geodetic latitude, WGS-84"),
           number("lon", "rad").at_least(-4 * quarter).at_most(4 * quarter).about("longitude, east positive"),
-          number("height", "m").plausible(0, 1e8).about("above the ellipsoid"),
+          number("height", "m").plausible(0, 1e8).about("height above the ellipsoid"),
           number("x", "m").about("ECEF"),
           number("y", "m").about("ECEF"),
           number("z", "m").about("ECEF"),
-          number("north", "m").about("local, from the origin"),
-          number("east", "m").about("local"),
-          number("down", "m").about("local; left out, it is 0, where the sensor's place is a vector of two")};
+          number("north", "m").about("local north, from the origin"),
+          number("east", "m").about("local east"),
+          number("down", "m").about("local down; default: 0 if the sensor's position is a vector of two")};
 }
 
 SensorPlace::SensorPlace(const Binding& binding, const char* port) : port_(binding.port(port)) {

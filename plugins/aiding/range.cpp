@@ -18,31 +18,33 @@ ComponentSpec Range::spec() {
   using parameter::integer, parameter::number;
   ComponentSpec spec;
   spec.type = "range";
-  spec.summary =
-      "Distances to points that are known: anchors of ultra-wideband, acoustic transponders, a row for each.";
+  spec.summary = "Distances to known points such as ultra-wideband anchors or acoustic transponders, a row for each.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 7.1.4";
-  spec.parameters = {
-      number("sigma", "m")
-          .above(0)
-          .plausible(1e-4, 1e4)
-          .about("white noise of a range; not needed where each anchor or the channel (range_sd, range_variance) "
-                 "has one"),
-      number("relative", "1").at_least(0).defaults("0").about("adds (relative * range)^2 to each variance"),
-      Anchors::parameter(), parameter::origin(),
-      integer("max_rows")
-          .at_least(1)
-          .at_most(256)
-          .defaults("16")
-          .about("rows of a sample that are used at most; where 'anchors' lists some, as many as these")};
-  spec.ports = {reads("position", "*").about("of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
-                reads("bias", "vector:*:m")
-                    .optional()
-                    .about("what ranges have too much: one for each of 'anchors', in their order, or one for all")};
+  spec.parameters = {number("sigma", "m")
+                         .above(0)
+                         .plausible(1e-4, 1e4)
+                         .about("standard deviation of a range's white noise; not needed if each anchor or the channel "
+                                "(range_sd, range_variance) has one"),
+                     number("relative", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("relative noise: adds (relative * range)^2 to each variance"),
+                     Anchors::parameter(), parameter::origin(),
+                     integer("max_rows")
+                         .at_least(1)
+                         .at_most(256)
+                         .defaults("16")
+                         .about("largest number of rows used of a sample; if 'anchors' lists some, their number")};
+  spec.ports = {
+      reads("position", "*").about("position of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
+      reads("bias", "vector:*:m")
+          .optional()
+          .about("bias of the measured ranges: one for each of 'anchors', in their order, or one for all")};
   spec.fields = {field::level("range", "m").per_row().about("measured distance"),
                  field::level("anchor", "1").per_row().optional().about("number of the anchor"),
                  field::level("range_sd", "m").per_row().optional().about("its standard deviation"),
-                 field::level("range_variance", "m^2").per_row().optional().about("its variance")};
+                 field::level("range_variance", "m^2").per_row().optional().about("variance of the range")};
   for (FieldSpec& field : Anchors::place_fields()) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "uwb", "blocks": {"position": "position", "bias": "range_bias"}, "sigma": "0.1 m",
     "anchors": {"105": {"lat": "52.5 deg", "lon": "13.4 deg", "height": "81 m"},
@@ -70,7 +72,7 @@ Range::Range(const Binding& binding)
       most_(anchors_.count() > 0 ? anchors_.count() : static_cast<int>(binding.parameters().integer("max_rows"))) {
   if (!anchor_.is_bound() && anchors_.count() > 1)
     throw ComponentError("the channel carries no field 'anchor', and 'anchors' lists " +
-                             std::to_string(anchors_.count()) + ": nobody says whose a range is",
+                             std::to_string(anchors_.count()) + ": a range has no anchor",
                          "/fields");
   if (sd_of_row_.is_bound() && variance_of_row_.is_bound())
     throw ComponentError("the channel carries both 'range_sd' and 'range_variance': recognize one of them", "/fields");
@@ -119,7 +121,7 @@ Result Range::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
     const Eigen::Vector3d d = place.r - anchor->r;
     const double length = d.norm();
     if (!(length > nearest) || !std::isfinite(length)) {
-      in.notes.leave("a row is left out: the sensor is at the anchor, or its place is not finite");
+      in.notes.leave("a row is left out: the sensor is at the anchor, or its position is not finite");
       continue;
     }
     const int bias = bias_.is_bound() ? Anchors::bias_component(bias_, *anchor) : -1;

@@ -43,7 +43,8 @@ ComponentSpec RangeDifference::spec() {
   using parameter::integer, parameter::number;
   ComponentSpec spec;
   spec.type = "range_difference";
-  spec.summary = "Differences of distances to pairs of anchors: times of arrival of one signal (TDOA), a row for each.";
+  spec.summary =
+      "Differences of distances to pairs of anchors, from times of arrival of one signal (TDOA), a row for each.";
   spec.source =
       "Chan and Ho, A simple and efficient estimator for hyperbolic location, IEEE Transactions on Signal Processing "
       "42 "
@@ -52,18 +53,22 @@ ComponentSpec RangeDifference::spec() {
       number("sigma", "m")
           .above(0)
           .plausible(1e-4, 1e4)
-          .about("white noise of one anchor's time of arrival, as a distance; a difference has twice the variance. Not "
-                 "needed "
-                 "where each of 'anchors' has one"),
+          .about("standard deviation of the white noise of one anchor's time of arrival, as a distance; a difference "
+                 "has twice the variance. Not needed if each of 'anchors' has one"),
       Anchors::parameter(), parameter::origin(),
-      integer("reference").about("number of the anchor that is taken off, where the channel has no field 'reference'")};
-  spec.ports = {reads("position", "*").about("of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
-                reads("bias", "vector:*:m")
-                    .optional()
-                    .about("what an anchor's time of arrival has too much: one for each of 'anchors', in their order")};
-  spec.fields = {field::level("range_difference", "m").per_row().about("distance to 'anchor' less that to 'reference'"),
-                 field::level("anchor", "1").per_row().about("number of the anchor"),
-                 field::level("reference", "1").per_row().optional().about("number of the anchor that is taken off")};
+      integer("reference").about("number of the reference anchor, if the channel has no field 'reference'")};
+  spec.ports = {
+      reads("position", "*").about("position of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
+      reads("bias", "vector:*:m")
+          .optional()
+          .about("bias of an anchor's time of arrival as a distance: one for each of 'anchors', in their order")};
+  spec.fields = {
+      field::level("range_difference", "m").per_row().about("distance to 'anchor' minus distance to 'reference'"),
+      field::level("anchor", "1").per_row().about("number of the anchor"),
+      field::level("reference", "1")
+          .per_row()
+          .optional()
+          .about("number of the reference anchor, whose distance is subtracted")};
   spec.example = R"json({"channel": "tdoa", "blocks": {"position": "position"}, "sigma": "0.1 m", "reference": 1,
     "anchors": {"1": {"north": 0, "east": 0, "down": -3},
                 "2": {"north": 20, "east": 0, "down": -1},
@@ -98,7 +103,7 @@ RangeDifference::RangeDifference(const Binding& binding)
     throw ComponentError("missing key 'sigma': not each of 'anchors' has one", "");
   if (bias_.is_bound() && bias_.dof() != anchors_.count())
     throw ComponentError("its block has " + std::to_string(bias_.dof()) + " components where 'anchors' lists " +
-                             std::to_string(anchors_.count()) + "; what all have in common is not in a difference",
+                             std::to_string(anchors_.count()) + "; a difference does not contain a common bias",
                          "/blocks/bias");
   declaration_.rows(most_).reads(sensor_.port()).reads(bias_).group(rows::like("range_difference", "m"));
 }
@@ -108,7 +113,7 @@ bool RangeDifference::arrive(const MeasurementInput& in, const strapdown::Cartes
   const Eigen::Vector3d d = place.r - arrival.anchor.r;
   const double length = d.norm();
   if (!(length > nearest) || !std::isfinite(length)) {
-    in.notes.leave("a row is left out: the sensor is at an anchor, or its place is not finite");
+    in.notes.leave("a row is left out: the sensor is at an anchor, or its position is not finite");
     return false;
   }
   const int bias = bias_.is_bound() ? arrival.anchor.index : -1;
@@ -144,7 +149,7 @@ Result RangeDifference::linearize(const MeasurementInput& in, MeasurementOutput&
     if (!next) continue;
     const auto& [of, reference] = *next;
     if (!groups.join(of.anchor.key, reference.anchor.key)) {
-      in.notes.leave("a row is left out: its difference is a sum of others of this sample, and brings nothing");
+      in.notes.leave("a row is left out: its difference is a sum of others of this sample and has no information");
       continue;
     }
     pairs[static_cast<std::size_t>(count)] = *next;

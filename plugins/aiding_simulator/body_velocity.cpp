@@ -21,8 +21,9 @@ class BodyVelocity final : public Sensor {
         misalignment_(parameters.vector("misalignment")),
         lever_arm_(parameters.vector("lever_arm")) {}
   void declare(ChannelDeclaration& channel) override {
-    v_ = channel.carries(field::level("vx", "m/s").about("over ground, along the sensor's x, forward"),
-                         field::level("vy", "m/s").about("right"), field::level("vz", "m/s").about("down"));
+    v_ = channel.carries(field::level("vx", "m/s").about("velocity over ground along the sensor's x, forward"),
+                         field::level("vy", "m/s").about("velocity over ground along y, right"),
+                         field::level("vz", "m/s").about("velocity over ground along z, down"));
   }
   std::vector<SlowError> errors() const override {
     return {{"scale", "1", "scale factor error", scale_},
@@ -55,17 +56,22 @@ SensorKind body_velocity() {
   using namespace parameter;
   return {
       "body_velocity",
-      sensor_object(
-          "body_velocity",
-          {vector("noise", "m/s", 3).at_least(0).defaults("0").about("1-sigma of a reading, by axis, white"),
-           number("relative", "1").at_least(0).defaults("0").about("times the speed: more of that, by axis, white"),
-           number("scale", "1").at_least(0).defaults("0").about("1-sigma of the scale factor error, drawn once a run"),
-           vector("misalignment", "rad", 3)
-               .at_least(0)
-               .defaults("0")
-               .about("1-sigma of how it is turned, about its x, y, z, drawn once a run"),
-           lever_arm_parameter()},
-          "a Doppler log, or wheels, on the channel NAME.body_velocity: vx, vy, vz"),
+      sensor_object("body_velocity",
+                    {vector("noise", "m/s", 3).at_least(0).defaults("0").about("1-sigma of the white noise, by axis"),
+                     number("relative", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of additional white noise, relative to the speed, by axis"),
+                     number("scale", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of the scale factor error, drawn once per run"),
+                     vector("misalignment", "rad", 3)
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of the misalignment about x, y, z, drawn once per run"),
+                     lever_arm_parameter()},
+                    "Doppler log or wheel sensors, on the channel NAME.body_velocity: vx, vy, vz"),
       [](const Parameters& parameters) { return std::make_unique<BodyVelocity>(parameters); }};
 }
 

@@ -42,7 +42,7 @@ class Course final : public Sensor {
  public:
   explicit Course(const Parameters& parameters) : velocity_noise_(parameters.number("velocity_noise")) {}
   void declare(ChannelDeclaration& channel) override {
-    course_ = channel.carries(field::level("course", "rad").about("over ground, clockwise from north"));
+    course_ = channel.carries(field::level("course", "rad").about("course over ground, clockwise from north"));
   }
   std::vector<SlowError> errors() const override { return {}; }
   void measure(const Truth& truth, std::span<const double>, Noise& noise, SampleWriter& out) const override {
@@ -62,9 +62,9 @@ class Attitude final : public Sensor {
       : noise_(parameters.vector("noise")),
         M_(strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(parameters.vector("mounting")))) {}
   void declare(ChannelDeclaration& channel) override {
-    angles_ = channel.carries(field::level("roll", "rad").about("right side down positive"),
-                              field::level("pitch", "rad").about("nose up positive"),
-                              field::level("yaw", "rad").about("clockwise from north"));
+    angles_ = channel.carries(field::level("roll", "rad").about("roll, right side down positive"),
+                              field::level("pitch", "rad").about("pitch, nose up positive"),
+                              field::level("yaw", "rad").about("clockwise from true north"));
   }
   std::vector<SlowError> errors() const override { return {}; }
   void measure(const Truth& truth, std::span<const double>, Noise& noise, SampleWriter& out) const override {
@@ -86,24 +86,26 @@ class Attitude final : public Sensor {
 SensorKind heading() {
   using namespace parameter;
   std::vector<ParameterSpec> own = {
-      number("noise", "rad").at_least(0).defaults("0").about("1-sigma of a reading, white"),
+      number("noise", "rad").at_least(0).defaults("0").about("1-sigma of the white noise"),
       vector("baseline", "1", 3)
           .defaults("[1, 0, 0]")
-          .about("its direction in body axes, from the rear antenna to the front")};
+          .about("direction of the baseline in body axes, from the rear to the front antenna")};
   add_slow_error(own, "bias", "rad", "bias");
   return {"heading",
-          sensor_object("heading", std::move(own), "two antennas, or a compass, on the channel NAME.heading: heading"),
+          sensor_object("heading", std::move(own), "two antennas or a compass, on the channel NAME.heading: heading"),
           [](const Parameters& parameters) { return std::make_unique<Heading>(parameters); }};
 }
 
 SensorKind course() {
   return {"course",
-          sensor_object("course",
-                        {parameter::number("velocity_noise", "m/s")
-                             .at_least(0)
-                             .defaults("0")
-                             .about("1-sigma of the velocity of which it is the direction, north and east, white")},
-                        "the course over ground, on the channel NAME.course: course"),
+          sensor_object(
+              "course",
+              {parameter::number("velocity_noise", "m/s")
+                   .at_least(0)
+                   .defaults("0")
+                   .about(
+                       "1-sigma of the white noise of the velocity from which the course is computed, north and east")},
+              "course over ground, on the channel NAME.course: course"),
           [](const Parameters& parameters) { return std::make_unique<Course>(parameters); }};
 }
 
@@ -113,12 +115,12 @@ SensorKind attitude() {
                         {parameter::vector("noise", "rad", 3)
                              .at_least(0)
                              .defaults("0")
-                             .about("1-sigma of a reading, about north, east, down, white"),
+                             .about("1-sigma of the white noise about north, east, down"),
                          parameter::vector("mounting", "rad", 3)
                              .defaults("[0, 0, 0]")
-                             .about("roll, pitch, yaw of the turn that takes the body's components to the other "
-                                    "system's: Rz(yaw) Ry(pitch) Rx(roll)")},
-                        "another system's attitude, on the channel NAME.attitude: roll, pitch, yaw"),
+                             .about("roll, pitch, yaw of the rotation from the body's to the other system's axes: "
+                                    "Rz(yaw) Ry(pitch) Rx(roll)")},
+                        "attitude of another system, on the channel NAME.attitude: roll, pitch, yaw"),
           [](const Parameters& parameters) { return std::make_unique<Attitude>(parameters); }};
 }
 

@@ -38,12 +38,12 @@ class Height final : public Sensor {
 SensorKind height() {
   using namespace parameter;
   std::vector<ParameterSpec> own = {
-      number("noise", "m").at_least(0).defaults("0").about("1-sigma of a reading, white"),
-      number("scale", "1").at_least(0).defaults("0").about("1-sigma of the scale factor error, drawn once a run"),
+      number("noise", "m").at_least(0).defaults("0").about("1-sigma of the white noise"),
+      number("scale", "1").at_least(0).defaults("0").about("1-sigma of the scale factor error, drawn once per run"),
       number("reference", "m").defaults("0").about("height at which the scale factor has no effect"),
       lever_arm_parameter()};
   add_slow_error(own, "bias", "m", "bias");
-  return {"height", sensor_object("height", std::move(own), "a barometer, on the channel NAME.height: height"),
+  return {"height", sensor_object("height", std::move(own), "barometer, on the channel NAME.height: height"),
           [](const Parameters& parameters) { return std::make_unique<Height>(parameters); }};
 }
 

@@ -52,25 +52,35 @@ class Magnetometer final : public Sensor {
 
 SensorKind magnetometer() {
   using namespace parameter;
-  return {"magnetometer",
-          sensor_object(
-              "magnetometer",
-              {number("declination", "rad").defaults("0").about("of the field, from north to east"),
-               number("inclination", "rad")
-                   .at_least(-1.6)
-                   .at_most(1.6)
-                   .defaults("0")
-                   .about("of the field, below the horizon"),
-               number("strength", "T").above(0).plausible(1e-6, 1e-3).defaults("\"50 uT\"").about("of the field"),
-               vector("noise", "T", 3).at_least(0).defaults("0").about("1-sigma of a reading, by axis, white"),
-               number("hard_iron", "T").at_least(0).defaults("0").about("1-sigma of each of three, drawn once a run"),
-               number("soft_iron", "1").at_least(0).defaults("0").about("1-sigma of each axis' own, drawn once a run"),
-               number("cross_axis", "1")
-                   .at_least(0)
-                   .defaults("0")
-                   .about("1-sigma of each of the three between two axes, drawn once a run")},
-              "three axes, on the channel NAME.magnetometer: mx, my, mz"),
-          [](const Parameters& parameters) { return std::make_unique<Magnetometer>(parameters); }};
+  return {
+      "magnetometer",
+      sensor_object("magnetometer",
+                    {number("declination", "rad").defaults("0").about("declination of the field, from north to east"),
+                     number("inclination", "rad")
+                         .at_least(-1.6)
+                         .at_most(1.6)
+                         .defaults("0")
+                         .about("inclination of the field, below the horizon"),
+                     number("strength", "T")
+                         .above(0)
+                         .plausible(1e-6, 1e-3)
+                         .defaults("\"50 uT\"")
+                         .about("magnetic flux density of the field"),
+                     vector("noise", "T", 3).at_least(0).defaults("0").about("1-sigma of the white noise, by axis"),
+                     number("hard_iron", "T")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of the three components, drawn once per run"),
+                     number("soft_iron", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of the three diagonal elements, drawn once per run"),
+                     number("cross_axis", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("1-sigma of the three elements between two axes, drawn once per run")},
+                    "magnetometer with three axes, on the channel NAME.magnetometer: mx, my, mz"),
+      [](const Parameters& parameters) { return std::make_unique<Magnetometer>(parameters); }};
 }
 
 }  // namespace binnacle::aiding_simulator

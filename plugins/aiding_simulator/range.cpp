@@ -115,8 +115,8 @@ class RangeDifference final : public Sensor {
   }
   void declare(ChannelDeclaration& channel) override {
     anchor_ = channel.carries_per_row(field::level("anchor", "1").about("its number"));
-    reference_ =
-        channel.carries_per_row(field::level("reference", "1").about("number of the anchor that is taken off"));
+    reference_ = channel.carries_per_row(
+        field::level("reference", "1").about("number of the reference anchor, whose distance is subtracted"));
     difference_ = channel.carries_per_row(
         field::level("range_difference", "m").about("distance to the anchor less that to the reference, with errors"));
     channel.max_rows = ways_.count() - 1;
@@ -149,19 +149,18 @@ std::vector<ParameterSpec> way_parameters() {
   const auto share = [](const char* text) { return number("blocked", "1").at_least(0).at_most(1).about(text); };
   return {map("anchors", object("anchor", {number("lat", "rad").required().about("geodetic latitude, WGS-84"),
                                            number("lon", "rad").required().about("longitude, east positive"),
-                                           number("height", "m").required().about("above the ellipsoid"),
-                                           share("of this anchor's ranges")}))
+                                           number("height", "m").required().about("height above the ellipsoid"),
+                                           share("'blocked' for the ranges of this anchor")}))
               .required()
-              .about("by number: where it is"),
-          number("noise", "m").at_least(0).defaults("0").about("1-sigma of a range, white"),
-          number("bias", "m").at_least(0).defaults("0").about("1-sigma of an anchor's bias, drawn once a run"),
-          share("share of the ranges that come by way of a wall").defaults("0"),
+              .about("positions of the anchors by number"),
+          number("noise", "m").at_least(0).defaults("0").about("1-sigma of the white noise of a range"),
+          number("bias", "m").at_least(0).defaults("0").about("1-sigma of an anchor's bias, drawn once per run"),
+          share("fraction of the ranges that are measured over a reflection").defaults("0"),
           number("detour", "m")
               .at_least(0)
               .defaults("0")
-              .about("by how much such a range is too long: mean of an "
-                     "exponential distribution"),
-          number("reach", "m").above(0).about("an anchor further away has no row"),
+              .about("mean excess length of such a range; exponential distribution"),
+          number("reach", "m").above(0).about("largest range; anchors beyond it have no row"),
           lever_arm_parameter()};
 }
 
@@ -176,13 +175,15 @@ SensorKind range() {
 
 SensorKind range_difference() {
   std::vector<ParameterSpec> own = way_parameters();
-  own.push_back(parameter::integer("reference")
-                    .required()
-                    .about("number of the anchor that is taken off; where it is out of reach there is no row"));
+  own.push_back(
+      parameter::integer("reference")
+          .required()
+          .about(
+              "number of the reference anchor, whose distance is subtracted; there are no rows if it is out of reach"));
   return {"range_difference",
           sensor_object("range_difference", std::move(own),
-                        "differences of arrival (TDOA) on the channel NAME.range_difference: anchor, reference, "
-                        "range_difference; 'noise' and 'bias' are of one anchor's arrival"),
+                        "time differences of arrival (TDOA), on the channel NAME.range_difference: anchor, reference, "
+                        "range_difference; 'noise' and 'bias' are those of one anchor's arrival"),
           [](const Parameters& parameters) { return std::make_unique<RangeDifference>(parameters); }};
 }
 

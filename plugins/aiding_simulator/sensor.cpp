@@ -21,7 +21,7 @@ std::vector<SensorKind> sensor_kinds() {
 
 ParameterSpec sensor_object(const char* name, std::vector<ParameterSpec> own, const char* text) {
   std::vector<ParameterSpec> members = {parameter::time("every").at_least(0).defaults("\"1 s\"").about(
-      "between readings; the first is at the first sample of the input, each at one of its samples")};
+      "time between measurements; the first is at the first sample of the input, each at one of its samples")};
   members.insert(members.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   return parameter::object(name, std::move(members)).about(text);
 }
@@ -30,18 +30,18 @@ ParameterSpec lever_arm_parameter() {
   return parameter::vector("lever_arm", "m", 3)
       .plausible(0, 100)
       .defaults("[0, 0, 0]")
-      .about("from where the truth is to the sensor, body axes");
+      .about("lever arm from the point of the truth to the sensor, body axes");
 }
 
 void add_slow_error(std::vector<ParameterSpec>& to, const std::string& name, const std::string& unit,
                     const std::string& text) {
   using namespace parameter;
-  to.push_back(number(name, unit).at_least(0).defaults("0").about("1-sigma of the " + text + ", drawn once a run"));
+  to.push_back(number(name, unit).at_least(0).defaults("0").about("1-sigma of the " + text + ", drawn once per run"));
   to.push_back(number(name + "_wandering", unit)
                    .at_least(0)
                    .defaults("0")
-                   .about("1-sigma of what wanders besides: a first-order Gauss-Markov process"));
-  to.push_back(time(name + "_tau").above(0).defaults("\"600 s\"").about("its correlation time"));
+                   .about("1-sigma of a time-varying bias, a first-order Gauss-Markov process"));
+  to.push_back(time(name + "_tau").above(0).defaults("\"600 s\"").about("correlation time of the time-varying bias"));
 }
 
 SlowError read_slow_error(const Parameters& parameters, const std::string& name, std::string error, std::string unit,

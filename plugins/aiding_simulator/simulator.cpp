@@ -13,7 +13,7 @@ namespace binnacle::aiding_simulator {
 namespace {
 
 FieldSpec rate(const char* name) {
-  return field::level(name, "rad/s").optional().about("angular rate against inertial space, for lever arms");
+  return field::level(name, "rad/s").optional().about("angular rate with respect to inertial space, for lever arms");
 }
 
 }  // namespace
@@ -32,21 +32,22 @@ ComponentSpec AidingSimulator::spec() {
   ComponentSpec spec;
   spec.type = "aiding_simulator";
   spec.summary =
-      "What sensors besides GNSS and an IMU read on a simulated vehicle: magnetometer, barometer, DVL, headings.";
+      "Measurements of sensors on a simulated vehicle besides GNSS and IMU: magnetometer, barometer, DVL, headings.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 6.1.1, "
       "6.2.1 and 6.5";
   for (SensorKind& kind : sensor_kinds()) spec.parameters.push_back(std::move(kind.spec));
-  spec.parameters.push_back(parameter::boolean("perfect").defaults("false").about("no errors at all"));
+  spec.parameters.push_back(parameter::boolean("perfect").defaults("false").about("true: no errors"));
   spec.inputs = {
       input("truth",
             {field::level("lat", "rad").about("geodetic latitude"), field::level("lon", "rad").about("longitude"),
-             field::level("height", "m").about("above the ellipsoid"),
-             field::level("vn", "m/s").about("velocity over ground, north"), field::level("ve", "m/s").about("east"),
-             field::level("vd", "m/s").about("down"), field::level("roll", "rad").about("of the body"),
-             field::level("pitch", "rad").about("of the body"), field::level("yaw", "rad").about("of the body"),
-             rate("omega_x"), rate("omega_y"), rate("omega_z")})
-          .about("where the vehicle is; readings are among its samples")};
+             field::level("height", "m").about("height above the ellipsoid"),
+             field::level("vn", "m/s").about("velocity over ground, north"),
+             field::level("ve", "m/s").about("velocity over ground, east"),
+             field::level("vd", "m/s").about("velocity over ground, down"),
+             field::level("roll", "rad").about("of the body"), field::level("pitch", "rad").about("of the body"),
+             field::level("yaw", "rad").about("of the body"), rate("omega_x"), rate("omega_y"), rate("omega_z")})
+          .about("true motion of the vehicle; measurements are at times of its samples")};
   spec.example = R"json({"input": "drive.truth",
     "magnetometer": {"every": "0.1 s", "declination": "3.5 deg", "inclination": "64 deg", "strength": "48 uT",
                      "noise": "0.25 uT", "hard_iron": "2 uT"},

@@ -43,7 +43,7 @@ Eigen::Vector3d rotation(const SampleGroup& group, const attitude::Algorithm& al
 ComponentSpec AttitudeOnly::spec() {
   ComponentSpec spec;
   spec.type = "attitude_only";
-  spec.summary = "An attitude moved by gyro increments alone, in axes that do not turn.";
+  spec.summary = "An attitude propagated by gyro increments alone, in non-rotating axes.";
   spec.source = "paper 002";
   spec.parameters = {parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3)
                          .at_least(0)
@@ -51,7 +51,7 @@ ComponentSpec AttitudeOnly::spec() {
                          .defaults("0")
                          .about("angle random walk per body axis, root of the power spectral density"),
                      attitude::choice_parameter()};
-  spec.ports = {advances("attitude", "attitude").about("of the gyros' axes")};
+  spec.ports = {advances("attitude", "attitude").about("attitude of the gyros' axes")};
   for (const char* axis : {"x", "y", "z"})
     spec.fields.push_back(field::increment(std::string("w") + axis, "rad")
                               .about("integral of the angular rate with respect to inertial space, body axes"));

@@ -21,19 +21,20 @@ constexpr std::array<std::array<const char*, 2>, 3> port_names = {
 ComponentSpec Clone::spec() {
   ComponentSpec spec;
   spec.type = "clone";
-  spec.summary = "Keeps a copy of blocks as they were at an instant, fully correlated: stochastic cloning.";
+  spec.summary = "Keeps a copy of blocks at an instant, with all correlations: stochastic cloning.";
   spec.source = "Roumeliotis and Burdick, Stochastic cloning, IEEE ICRA 2002, section III";
-  spec.parameters = {parameter::time("every").above(0).about(
-      "a copy is made by the first step that begins so long after the last one; without: by samples on 'at' only")};
-  spec.ports = {reads("of", "*").about("what is copied: a block of any kind, or a derived block"),
+  spec.parameters = {
+      parameter::time("every").above(0).about("shortest time between copies: the first step that begins later makes "
+                                              "one; default: copies only at samples on 'at'")};
+  spec.ports = {reads("of", "*").about("block to be copied: a block of any kind, or a derived block"),
                 advances("copy", "*").about("the copy: a block of the same kind"),
-                reads("of_2", "*").optional().about("copied at the same instants"),
+                reads("of_2", "*").optional().about("second or third block to be copied, at the same instants"),
                 {"copy_2", "*", PortAccess::advances, true, "the copy of of_2"},
-                reads("of_3", "*").optional().about("copied at the same instants"),
+                reads("of_3", "*").optional().about("second or third block to be copied, at the same instants"),
                 {"copy_3", "*", PortAccess::advances, true, "the copy of of_3"},
                 {"age", "vector:1:s", PortAccess::advances, true, "time since the copy was made"}};
   spec.inputs = {input("at", {}).optional().about(
-      "a copy is made at the time of each sample: most often the channel of the measurement that uses the copy")};
+      "a copy is made at the time of each sample; usually the channel of the measurement that uses the copy")};
   spec.example = R"json({"blocks": {"of": "position", "copy": "position_then", "of_2": "attitude",
     "copy_2": "attitude_then", "age": "age"}, "inputs": {"at": "camera"}})json";
   spec.surroundings = R"json({"blocks": {

@@ -27,30 +27,30 @@ FieldSpec place(const char* name, const char* unit, const char* text) {
 ComponentSpec Displacement::spec() {
   ComponentSpec spec;
   spec.type = "displacement";
-  spec.summary = "Displacements along a known path, with noise: a simulated visual odometry or scan matching.";
+  spec.summary = "Displacements along a known path with noise: simulated visual odometry or scan matching.";
   spec.parameters = {
-      parameter::time("every").above(0).required().about("least length of an interval"),
+      parameter::time("every").above(0).required().about("shortest interval"),
       parameter::choice("frame", {"body", "navigation", "ecef"})
           .defaults("\"body\"")
-          .about(
-              "axes: of the body at the begin of the interval; north, east, down there (of a local path: its own); or "
-              "earth-centred"),
+          .about("axes of the displacement: those of the body at the start of the interval; north, east, down there "
+                 "(the axes of a local path); or earth-centred"),
       parameter::vector("lever_arm", "m", 3)
           .plausible(0, 100)
           .defaults("[0, 0, 0]")
-          .about("from where the path is to the sensor, body axes"),
+          .about("lever arm from the point of the path to the sensor, body axes"),
       parameter::vector("sigma", "m", 3).at_least(0).defaults("0").about("standard deviation of the noise, by axis"),
       parameter::number("relative", "1")
           .at_least(0)
           .defaults("0")
-          .about("adds (relative * length of the displacement)^2 to each variance")};
+          .about("relative noise: adds (relative * length of the displacement)^2 to each variance")};
   spec.inputs = {
-      input("path", {place("lat", "rad", "geodetic latitude, WGS-84; or x y z"),
-                     place("lon", "rad", "longitude, east positive"), place("height", "m", "above the ellipsoid"),
-                     place("x", "m", "position in local axes"), place("y", "m", "position in local axes"),
-                     place("z", "m", "position in local axes"), place("roll", "rad", "attitude, for body axes"),
-                     place("pitch", "rad", "attitude"), place("yaw", "rad", "attitude")})
-          .about("position and attitude over time, as the truth of a simulation")};
+      input("path",
+            {place("lat", "rad", "geodetic latitude, WGS-84; alternative to x y z"),
+             place("lon", "rad", "longitude, east positive"), place("height", "m", "height above the ellipsoid"),
+             place("x", "m", "position in local axes"), place("y", "m", "position in local axes"),
+             place("z", "m", "position in local axes"), place("roll", "rad", "attitude, for body axes"),
+             place("pitch", "rad", "attitude"), place("yaw", "rad", "attitude")})
+          .about("position and attitude over time, for example the truth of a simulation")};
   spec.example = R"json({"input": "drive.truth", "every": "1 s", "sigma": "3 cm"})json";
   return spec;
 }

@@ -27,31 +27,31 @@ ComponentSpec RelativePosition::spec() {
   spec.summary =
       "The displacement over a sample's interval, from a copy of the position: visual odometry, scan matching.";
   spec.source = "Roumeliotis and Burdick, Stochastic cloning, IEEE ICRA 2002, section IV";
-  spec.parameters = {
-      parameter::choice("frame", {"body", "navigation", "ecef"})
-          .defaults("\"body\"")
-          .about("axes of the displacement: of the body at the begin of the interval; north, east, down there (of a "
-                 "local position: its own axes); or earth-centred"),
-      parameter::vector("sigma", "m", 3)
-          .above(0)
-          .plausible(1e-5, 1e3)
-          .about("standard deviation by axis, where the channel carries none; required if it does not"),
-      parameter::number("relative", "1")
-          .at_least(0)
-          .defaults("0")
-          .about("adds (relative * length of the displacement)^2 to each variance"),
-      parameter::time("tolerance")
-          .at_least(0)
-          .defaults("\"1 us\"")
-          .about("by how much the begin of the interval may differ from the instant of the copy")};
+  spec.parameters = {parameter::choice("frame", {"body", "navigation", "ecef"})
+                         .defaults("\"body\"")
+                         .about("axes of the displacement: those of the body at the start of the interval; north, "
+                                "east, down there (the axes of a local position); or earth-centred"),
+                     parameter::vector("sigma", "m", 3)
+                         .above(0)
+                         .plausible(1e-5, 1e3)
+                         .about("standard deviation by axis, used if the channel carries none; then required"),
+                     parameter::number("relative", "1")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("relative noise: adds (relative * length of the displacement)^2 to each variance"),
+                     parameter::time("tolerance")
+                         .at_least(0)
+                         .defaults("\"1 us\"")
+                         .about("largest difference between the start of the interval and the instant of the copy")};
   spec.ports = {
       reads("position", "*")
-          .about("of the sensor, now: kind position (geodetic), position.ecef, or vector:1:m to vector:3:m (local)"),
-      reads("copy", "*").about("the position at the begin of the interval: a copy that a 'clone' keeps"),
-      reads("attitude", "attitude").optional().about("for body axes: the copy of the attitude, of that instant"),
-      reads("age", "vector:1:s").about("of the copy: the block that the 'clone' advances")};
+          .about("current position of the sensor: kind position (geodetic), position.ecef, or vector:1:m to vector:3:m "
+                 "(local)"),
+      reads("copy", "*").about("position at the start of the interval: a copy that a 'clone' keeps"),
+      reads("attitude", "attitude").optional().about("copy of the attitude at the same instant, for body axes"),
+      reads("age", "vector:1:s").about("age of the copy: the block that the 'clone' advances")};
   spec.fields = {field::increment("dx", "m").about("displacement over the interval: forward, north, or x"),
-                 field::increment("dy", "m").optional().about("right, or east"),
+                 field::increment("dy", "m").optional().about("displacement to the right, or east"),
                  field::increment("dz", "m").optional().about("down")};
   for (const char* name : names)
     spec.fields.push_back(
@@ -92,9 +92,8 @@ RelativePosition::RelativePosition(const Binding& binding)
                          "/blocks/copy");
   if (is_in_body_axes_ != attitude_.is_bound())
     throw ComponentError(is_in_body_axes_
-                             ? std::string(
-                                   "a displacement in body axes needs the attitude at its begin: plug the copy of the "
-                                   "attitude into 'attitude', or say \"frame\": \"navigation\"")
+                             ? std::string("a displacement in body axes needs the attitude at its start: plug the copy "
+                                           "of the attitude into 'attitude', or say \"frame\": \"navigation\"")
                              : "\"frame\": \"" + binding.parameters().text("frame") + "\" takes no attitude",
                          is_in_body_axes_ ? "/blocks" : "/blocks/attitude");
   const int rows = position_.dof();
@@ -122,7 +121,7 @@ strapdown::Way RelativePosition::way(const PortValues& x) const {
 
 Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
   const SampleView& sample = in.sample;
-  if (sample.t0 == no_time) return Result::invalid("the sample has no interval, so its displacement has no begin");
+  if (sample.t0 == no_time) return Result::invalid("the sample has no interval, so its displacement has no start");
   if (!(std::abs(seconds(sample.t - sample.t0) - in.x[age_][0]) <= tolerance_))
     return Result::unsupported("its interval begins at another instant than that of the copy");
   const int rows = position_.dof();
@@ -130,7 +129,7 @@ Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput
   for (int i = 0; i < rows; ++i) z[i] = sample[axes_[static_cast<std::size_t>(i)].z];
   if (!z.allFinite()) return Result::invalid("the displacement is not finite");
   const double by_length = relative_ > 0 ? relative_ * relative_ * z.squaredNorm() : 0;
-  if (!std::isfinite(by_length)) return Result::invalid("the displacement is beyond all reason");
+  if (!std::isfinite(by_length)) return Result::invalid("the displacement is implausible");
   for (int i = 0; i < rows; ++i) {
     const Axis& axis = axes_[static_cast<std::size_t>(i)];
     const double sigma = axis.reported.is_bound() ? sample[axis.reported] : axis.sigma;

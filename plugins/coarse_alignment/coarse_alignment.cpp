@@ -95,8 +95,8 @@ std::vector<ParameterSpec> heading_parameters() {
   using namespace parameter;
   return {choice("heading", {"given", "course", "gyrocompass"})
               .required()
-              .about("where the heading comes from: the parameter yaw; the direction of the GNSS velocity, the vehicle "
-                     "moving forward along its x axis; the earth rate, for gyros far better than 15 deg/h"),
+              .about("source of the heading: the parameter yaw; the direction of the GNSS velocity, for a vehicle that "
+                     "moves forward along its x axis; the earth rate, for gyros far better than 15 deg/h"),
           number("yaw", "rad").about("heading of the x axis at the first rest, for \"given\""),
           number("sigma_heading", "rad")
               .at_least(0)
@@ -105,28 +105,33 @@ std::vector<ParameterSpec> heading_parameters() {
           number("latitude", "rad")
               .at_least(-M_PI / 2)
               .at_most(M_PI / 2)
-              .about("for the earth rate; default: from gnss where it carries lat")};
+              .about("latitude for the earth rate; default: lat of gnss, if present")};
 }
 
 /// What counts as rest.
 std::vector<ParameterSpec> rest_parameters() {
   using namespace parameter;
-  return {
-      time("duration")
-          .above(0)
-          .defaults("\"2 s\"")
-          .about("rest that is averaged; an eighth more of it passes before it counts"),
-      number("max_specific_force_sd", "m/s^2")
-          .above(0)
-          .defaults("0.15")
-          .about("at rest: scatter of a sample, per axis"),
-      number("max_rate_sd", "rad/s").above(0).defaults("\"0.5 deg/s\"").about("at rest: scatter of a sample, per axis"),
-      number("max_rate", "rad/s").above(0).defaults("\"3 deg/s\"").about("at rest: mean rate, gyro bias included"),
-      number("max_gravity_error", "m/s^2")
-          .above(0)
-          .defaults("0.5")
-          .about("at rest: difference between the length of the mean specific force and 9.80665"),
-      number("max_speed", "m/s").above(0).defaults("0.3").about("at rest: a faster GNSS velocity means motion")};
+  return {time("duration")
+              .above(0)
+              .defaults("\"2 s\"")
+              .about("duration of rest that is averaged; the alignment waits an eighth longer before it uses it"),
+          number("max_specific_force_sd", "m/s^2")
+              .above(0)
+              .defaults("0.15")
+              .about("at rest: largest standard deviation of the samples, per axis"),
+          number("max_rate_sd", "rad/s")
+              .above(0)
+              .defaults("\"0.5 deg/s\"")
+              .about("at rest: largest standard deviation of the samples, per axis"),
+          number("max_rate", "rad/s")
+              .above(0)
+              .defaults("\"3 deg/s\"")
+              .about("at rest: largest mean rate, including the gyro bias"),
+          number("max_gravity_error", "m/s^2")
+              .above(0)
+              .defaults("0.5")
+              .about("at rest: largest difference between the length of the mean specific force and 9.80665 m/s^2"),
+          number("max_speed", "m/s").above(0).defaults("0.3").about("at rest: largest GNSS speed")};
 }
 
 /// When the course is taken, and how long an attitude is carried on.
@@ -138,17 +143,17 @@ std::vector<ParameterSpec> course_parameters() {
               .formerly("slip_arm")
               .at_least(0)
               .defaults("1.5")
-              .about("1-sigma distance from the antenna to the point that does not slip sideways; "
-                     "times turn rate / speed it is an "
-                     "error of the course"),
+              .about("1-sigma distance from the antenna to the point that does not slip sideways; multiplied by turn "
+                     "rate / speed it is an error of the course"),
           number("velocity_sd", "m/s")
               .above(0)
               .about("1-sigma of the GNSS velocity, per axis; default: as the channel reports it, else 0.2"),
           time("max_coast")
               .above(0)
               .defaults("\"120 s\"")
-              .about("longest time that the attitude is carried on by the gyros after a rest"),
-          time("every").above(0).about("emit again at this pace, coasting between rests; default: once")};
+              .about("longest time for which the gyros propagate the attitude after a rest"),
+          time("every").above(0).about(
+              "time between repeated outputs, propagated by the gyros between rests; default: only one output")};
 }
 
 /// Errors of the IMU.
@@ -157,18 +162,18 @@ std::vector<ParameterSpec> error_parameters() {
   return {number("accelerometer_bias", "m/s^2")
               .at_least(0)
               .defaults("\"10 mg\"")
-              .about("1-sigma per axis; gives the tilt's"),
+              .about("1-sigma per axis, from which the sigma of the tilt is computed"),
           number("gyro_bias", "rad/s")
               .at_least(0)
-              .about("1-sigma per axis; gives the gyrocompassed heading's and is required for it"),
+              .about("1-sigma per axis, from which the sigma of a gyrocompassed heading is computed; required for it"),
           number("gyro_drift", "rad/s")
               .at_least(0)
               .defaults("\"0.01 deg/s\"")
-              .about("1-sigma per axis by which the bias differs later from the mean at rest"),
+              .about("1-sigma per axis of the later change of the bias from the mean at rest"),
           number("gyro_misalignment", "1")
               .at_least(0)
               .defaults("0.005")
-              .about("1-sigma of scale and cross-axis errors; times the angle turned while coasting")};
+              .about("1-sigma of scale factor and cross-axis errors; multiplied by the angle turned after the rest")};
 }
 
 }  // namespace
@@ -176,7 +181,7 @@ std::vector<ParameterSpec> error_parameters() {
 ComponentSpec CoarseAlignment::spec() {
   ComponentSpec spec;
   spec.type = "coarse_alignment";
-  spec.summary = "first attitude of an IMU: levelled at rest, heading given, from the course, or gyrocompassed";
+  spec.summary = "initial attitude of an IMU: levelled at rest, with a given heading, the course, or gyrocompassing";
   spec.source =
       "P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 5.6.2";
@@ -193,7 +198,7 @@ ComponentSpec CoarseAlignment::spec() {
              field::level("velocity_sd_n", "m/s").optional().about("standard deviation of vn"),
              field::level("velocity_sd_e", "m/s").optional().about("standard deviation of ve")})
           .optional()
-          .about("velocity: for the course, and to know that the vehicle is at rest")};
+          .about("velocity, for the course and for the detection of rest")};
   for (const auto& group : {heading_parameters(), rest_parameters(), course_parameters(), error_parameters()})
     spec.parameters.insert(spec.parameters.end(), group.begin(), group.end());
   spec.example = R"({

@@ -43,29 +43,38 @@ ComponentSpec ConingSimulator::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "coning_simulator";
-  spec.summary = "The classical coning motion as exact increments of an inertial sensor, and truth.";
+  spec.summary = "The classical coning motion: exact increments of an inertial sensor, and truth.";
   spec.source = "paper 002, equation (8)";
   spec.parameters = {
-      number("half_angle", "rad").at_least(0).at_most(80.0 * degree).defaults("\"2 deg\"").about("of the cone"),
-      number("frequency", "Hz").at_least(1e-3).at_most(1e4).required().about("turns of the cone in a second"),
-      number("interval", "s").at_least(1e-6).at_most(100).required().about("between updates of the attitude"),
-      integer("samples").at_least(1).at_most(16).defaults("1").about("that an interval is cut into"),
-      parameter::time("duration").at_least(0).defaults("\"60 s\"").about("of the motion, which starts at time zero"),
+      number("half_angle", "rad")
+          .at_least(0)
+          .at_most(80.0 * degree)
+          .defaults("\"2 deg\"")
+          .about("half angle of the cone"),
+      number("frequency", "Hz").at_least(1e-3).at_most(1e4).required().about("frequency of the coning motion"),
+      number("interval", "s").at_least(1e-6).at_most(100).required().about("time between updates of the attitude"),
+      integer("samples").at_least(1).at_most(16).defaults("1").about("number of samples per interval"),
+      parameter::time("duration")
+          .at_least(0)
+          .defaults("\"60 s\"")
+          .about("duration of the motion, which starts at time zero"),
       number("truth_rate", "Hz")
           .at_least(0)
           .at_most(1e4)
           .defaults("1")
-          .about("samples of truth, from time zero; 0: none"),
-      choice("precision", {"double", "float"}).defaults("\"double\"").about("to which increments are rounded"),
+          .about("rate of truth samples, from time zero; 0: none"),
+      choice("precision", {"double", "float"})
+          .defaults("\"double\"")
+          .about("floating-point precision of the increments"),
       vector("acceleration", "m/s^2", 3)
           .defaults("0")
-          .about("amplitude, in navigation axes, of a shaking at the frequency of the cone"),
-      number("phase", "rad").defaults("0").about("of the acceleration's cosine against the cone's"),
+          .about("amplitude of an oscillating acceleration at the coning frequency, navigation axes"),
+      number("phase", "rad").defaults("0").about("phase of the acceleration relative to the coning motion"),
       object("place",
              {number("lat", "rad").at_least(-85.0 * degree).at_most(85.0 * degree).required().about("latitude"),
               number("lon", "rad").defaults("0").about("longitude"),
-              number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("above the ellipsoid")})
-          .about("on the turning earth; without it axes are inertial and there is no gravity"),
+              number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("height above the ellipsoid")})
+          .about("position on the rotating earth; default: inertial axes without gravity"),
   };
   spec.example = R"json({"frequency": "10 Hz", "interval": "5 ms", "samples": 2})json";
   return spec;

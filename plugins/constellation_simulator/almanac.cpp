@@ -60,7 +60,7 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
       if (!satellite) return;
       satellite->toc = satellite->toe;
       if (is_healthy && !gnss::is_usable(*satellite))
-        throw damaged(gnss::satellite_name(satellite->satellite) + ": the almanac's lines make no orbit");
+        throw damaged(gnss::satellite_name(satellite->satellite) + ": the almanac's lines do not form an orbit");
       if (is_healthy) almanac.push_back(*satellite);
       satellite.reset();
     };
@@ -78,7 +78,8 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
         satellite->satellite = gnss::satellite_key(gnss::Constellation::gps, static_cast<int>(*value));
         if (std::any_of(almanac.begin(), almanac.end(),
                         [&](const gnss::Ephemeris& other) { return other.satellite == satellite->satellite; }))
-          throw damaged(gnss::satellite_name(satellite->satellite) + " stands twice: one week's almanac has it once");
+          throw damaged(gnss::satellite_name(satellite->satellite) +
+                        " appears twice: the almanac of a week contains it once");
         is_healthy = true;
       } else if (!satellite) {
         throw damaged("'" + std::string(name) + "' comes before the first ID");
@@ -92,7 +93,7 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
   } catch (const text_file::FileFault& fault) {
     throw ComponentError::in_data(fault.what(), path, line_number, fault.code);
   }
-  if (almanac.empty()) throw damaged("it holds no healthy satellite");
+  if (almanac.empty()) throw damaged("it contains no healthy satellite");
   return almanac;
 }
 

@@ -15,19 +15,22 @@ constexpr double turn = 2.0 * std::numbers::pi;
 
 std::vector<ParameterSpec> constellation_parameters() {
   using namespace parameter;
-  return {object("constellation",
-                 {integer("satellites").at_least(1).at_most(32).defaults("24").about("in all"),
-                  integer("planes").at_least(1).at_most(32).defaults("6").about("evenly around the equator"),
-                  integer("phasing").at_least(0).at_most(31).defaults("1").about(
-                      "between neighbours in adjacent planes, in units of a turn / satellites"),
-                  number("inclination", "rad").defaults("\"55 deg\"").about("of every plane"),
-                  number("radius", "m").above(1e7).below(1e8).defaults("\"26560 km\"").about("of the circular orbits"),
-                  number("node", "rad")
-                      .defaults("0")
-                      .about("longitude of the first plane's ascending node at the begin of the week")})
-              .defaults("{}")
-              .about("a regular constellation"),
-          path("almanac").about("YUMA almanac file, instead of the regular constellation")};
+  return {
+      object(
+          "constellation",
+          {integer("satellites").at_least(1).at_most(32).defaults("24").about("number of satellites"),
+           integer("planes").at_least(1).at_most(32).defaults("6").about(
+               "number of orbit planes, evenly spaced around the equator"),
+           integer("phasing").at_least(0).at_most(31).defaults("1").about(
+               "phase between neighbours in adjacent planes, in units of a revolution / satellites"),
+           number("inclination", "rad").defaults("\"55 deg\"").about("inclination of every plane"),
+           number("radius", "m").above(1e7).below(1e8).defaults("\"26560 km\"").about("radius of the circular orbits"),
+           number("node", "rad")
+               .defaults("0")
+               .about("longitude of the first plane's ascending node at the start of the week")})
+          .defaults("{}")
+          .about("a regular constellation"),
+      path("almanac").about("YUMA almanac file, instead of the regular constellation")};
 }
 
 std::vector<gnss::Ephemeris> read_constellation(const Binding& binding) {

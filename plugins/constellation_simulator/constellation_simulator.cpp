@@ -31,74 +31,81 @@ FieldSpec level(const char* name, const char* unit, const char* text, bool optio
 /// All but the constellation's.
 std::vector<ParameterSpec> receiver_parameters() {
   using namespace parameter;
-  return {
-      time("every").above(0).defaults("\"1 s\"").about("between epochs; the first is the first sample of the input"),
-      number("elevation_mask", "rad")
-          .at_least(-1.5)
-          .at_most(1.5)
-          .defaults("\"10 deg\"")
-          .about("lower satellites are not seen"),
-      number("antenna_mask", "rad")
-          .at_least(-1.5)
-          .at_most(1.5)
-          .about("satellites lower than this over the plane of the body's x and y are not seen: what a bank shades. "
-                 "Needs roll, pitch, yaw"),
-      boolean("earth_rotation").defaults("true").about("whether the earth turns while the signal travels"),
-      object(
-          "pseudorange",
-          {number("bias", "m").at_least(0).defaults("6").about("1-sigma of each satellite's slow error: Gauss-Markov"),
-           number("tau", "s").above(0).defaults("1800").about("its correlation time"),
-           number("noise", "m").at_least(0).defaults("2").about("1-sigma, white")})
-          .defaults("{}")
-          .about("errors of pseudoranges"),
-      object("range_rate", {number("noise", "m/s").at_least(0).defaults("0.05").about("1-sigma, white")})
-          .defaults("{}")
-          .about("errors of range rates"),
-      object("clock", {number("S_f", "m^2/s")
-                           .at_least(0)
-                           .defaults("0.009")
-                           .about("density of the white noise of frequency, times c^2"),
-                       number("S_g", "m^2/s^3")
-                           .at_least(0)
-                           .defaults("0.0355")
-                           .about("density of the random walk of frequency, times c^2"),
-                       number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
-                       number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
-          .defaults("{}")
-          .about("the receiver's clock")};
+  return {time("every").above(0).defaults("\"1 s\"").about(
+              "time between epochs; the first is the first sample of the input"),
+          number("elevation_mask", "rad")
+              .at_least(-1.5)
+              .at_most(1.5)
+              .defaults("\"10 deg\"")
+              .about("elevation below which satellites are not visible"),
+          number("antenna_mask", "rad")
+              .at_least(-1.5)
+              .at_most(1.5)
+              .about("angle above the body's x-y plane below which satellites are not visible, as in a banked turn; "
+                     "requires roll, pitch, yaw"),
+          boolean("earth_rotation").defaults("true").about("whether the earth rotates during the signal's travel"),
+          object("pseudorange",
+                 {number("bias", "m")
+                      .at_least(0)
+                      .defaults("6")
+                      .about("1-sigma of the time-correlated error of each satellite, a Gauss-Markov process"),
+                  number("tau", "s").above(0).defaults("1800").about("correlation time of this error"),
+                  number("noise", "m").at_least(0).defaults("2").about("1-sigma of the white noise")})
+              .defaults("{}")
+              .about("errors of pseudoranges"),
+          object("range_rate",
+                 {number("noise", "m/s").at_least(0).defaults("0.05").about("1-sigma of the white noise")})
+              .defaults("{}")
+              .about("errors of range rates"),
+          object("clock", {number("S_f", "m^2/s")
+                               .at_least(0)
+                               .defaults("0.009")
+                               .about("power spectral density of the white frequency noise, times c^2"),
+                           number("S_g", "m^2/s^3")
+                               .at_least(0)
+                               .defaults("0.0355")
+                               .about("power spectral density of the random walk of the frequency, times c^2"),
+                           number("bias", "m").at_least(0).defaults("100").about("1-sigma of the initial bias"),
+                           number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the initial drift")})
+              .defaults("{}")
+              .about("the receiver's clock")};
 }
 
 /// What happens to it, and what else it emits.
 std::vector<ParameterSpec> event_parameters() {
   using namespace parameter;
-  return {list("cuts",
-               object("cut",
-                      {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                       integer("satellites")
-                           .at_least(0)
-                           .at_most(most_satellites)
-                           .required()
-                           .about("of those in view; 0: an outage"),
-                       choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
-              .about("stretches in which fewer satellites are seen"),
-          list("faults", object("fault", {text("satellite").required().about("\"G05\""),
-                                          time("from").required().about("first instant"),
-                                          time("to").required().about("last instant"),
-                                          number("pseudorange", "m").defaults("0").about("added"),
-                                          number("range_rate", "m/s").defaults("0").about("added")}))
-              .about("what a satellite reports wrongly"),
-          object("given", {integer("systems")
-                               .at_least(1)
-                               .at_most(most_systems)
-                               .defaults("1")
-                               .about("satellite systems: satellite i is of system 1 + (i - 1) mod systems"),
-                           number("offset", "m")
-                               .at_least(0)
-                               .defaults("100")
-                               .about("1-sigma of what pseudoranges of each system but the first have more; constant")})
-              .about("the channel NAME.given, with the same measurements and the satellites' ECEF positions"),
-          list("clock_jumps", object("jump", {time("at").required().about("instant"),
-                                              number("jump", "s").required().about("added to the receiver's clock")}))
+  return {list("cuts", object("cut", {time("from").required().about("start of the interval"),
+                                      time("to").required().about("end of the interval"),
+                                      integer("satellites")
+                                          .at_least(0)
+                                          .at_most(most_satellites)
+                                          .required()
+                                          .about("number of visible satellites that remain; 0: an outage"),
+                                      choice("keep", {"highest", "lowest"})
+                                          .defaults("\"highest\"")
+                                          .about("selection of the remaining satellites")}))
+              .about("intervals in which fewer satellites are visible"),
+          list("faults",
+               object("fault", {text("satellite").required().about("satellite, for example \"G05\""),
+                                time("from").required().about("start of the interval"),
+                                time("to").required().about("end of the interval"),
+                                number("pseudorange", "m").defaults("0").about("error added to the pseudorange"),
+                                number("range_rate", "m/s").defaults("0").about("error added to the range rate")}))
+              .about("faulty measurements of satellites"),
+          object("given",
+                 {integer("systems")
+                      .at_least(1)
+                      .at_most(most_systems)
+                      .defaults("1")
+                      .about("satellite systems: satellite i is of system 1 + (i - 1) mod systems"),
+                  number("offset", "m")
+                      .at_least(0)
+                      .defaults("100")
+                      .about("1-sigma of the constant offset of the pseudoranges of each system after the first")})
+              .about("additional channel NAME.given, with the same measurements and the satellites' ECEF positions"),
+          list("clock_jumps",
+               object("jump", {time("at").required().about("time of the reset"),
+                               number("jump", "s").required().about("offset added to the receiver's clock")}))
               .about("resets of the receiver's clock")};
 }
 
@@ -136,7 +143,7 @@ struct ConstellationSimulator::Rows {
 ComponentSpec ConstellationSimulator::spec() {
   ComponentSpec spec;
   spec.type = "constellation_simulator";
-  spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, and the satellites' ephemerides.";
+  spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, with the satellites' ephemerides.";
   spec.source =
       "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
   spec.parameters = constellation_parameters();
@@ -145,13 +152,13 @@ ComponentSpec ConstellationSimulator::spec() {
   const std::vector<ParameterSpec> events = event_parameters();
   spec.parameters.insert(spec.parameters.end(), events.begin(), events.end());
   spec.inputs = {{"truth",
-                  {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"),
-                   level("height", "m", "of the antenna"), level("vn", "m/s", "of the antenna"),
-                   level("ve", "m/s", "of the antenna"), level("vd", "m/s", "of the antenna"),
-                   level("roll", "rad", "of the body", true), level("pitch", "rad", "of the body", true),
-                   level("yaw", "rad", "of the body", true)},
+                  {level("lat", "rad", "latitude of the antenna"), level("lon", "rad", "longitude of the antenna"),
+                   level("height", "m", "height of the antenna"), level("vn", "m/s", "velocity of the antenna, north"),
+                   level("ve", "m/s", "velocity of the antenna, east"),
+                   level("vd", "m/s", "velocity of the antenna, down"), level("roll", "rad", "of the body", true),
+                   level("pitch", "rad", "of the body", true), level("yaw", "rad", "of the body", true)},
                   false,
-                  "where the antenna is; epochs are among its samples"}};
+                  "true motion of the antenna; epochs are at times of its samples"}};
   spec.example = R"json({"input": "drive.truth", "elevation_mask": "10 deg",
     "cuts": [{"from": "200 s", "to": "400 s", "satellites": 3}]})json";
   return spec;
@@ -237,7 +244,7 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
       const std::string pointer = "/faults/" + std::to_string(faults_.size());
       const auto satellite = gnss::parse_satellite(fault.text("satellite"));
       if (!satellite)
-        throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"",
+        throw ComponentError("'" + fault.text("satellite") + "' is not a satellite: \"G01\" … \"G32\"",
                              pointer + "/satellite");
       if (std::none_of(constellation_.begin(), constellation_.end(),
                        [&](const gnss::Ephemeris& one) { return one.satellite == *satellite; }))

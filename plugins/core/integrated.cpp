@@ -11,12 +11,13 @@ ComponentSpec Integrated::spec() {
   spec.type = "integrated";
   spec.summary = "A vector whose rate is another vector: position of velocity, angle of a drift.";
   spec.source = "Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
-  spec.parameters = {parameter::vector("q", "@x/sqrt(s)")
-                         .sized_by("x")
-                         .at_least(0)
-                         .about("root of the power spectral density of white noise added to the rate; none if absent")};
+  spec.parameters = {
+      parameter::vector("q", "@x/sqrt(s)")
+          .sized_by("x")
+          .at_least(0)
+          .about("root of the power spectral density of the white noise added to the rate; default: none")};
   spec.ports = {advances("x", "vector:*:*").about("the integral"),
-                reads("rate", "vector:*:*").about("its rate of change: as long as x, in the unit of x per second")};
+                reads("rate", "vector:*:*").about("rate of change of x: same size, in the unit of x per second")};
   spec.example = R"json({"blocks": {"x": "heading", "rate": "heading_drift"}, "q": "0.1 deg/sqrt(h)"})json";
   spec.surroundings =
       R"json({"blocks": {"heading": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.1}, "heading_drift": {"type": "vector", "size": 1, "unit": "rad/s", "sigma": 1e-3}}})json";

@@ -33,18 +33,18 @@ Eigen::VectorXd noise_density(const Parameters& parameters, Eigen::Index noises)
 ComponentSpec Linear::spec() {
   ComponentSpec spec;
   spec.type = "linear";
-  spec.summary = "Any linear time-invariant process, dx/dt = F x + G w, by its matrices.";
+  spec.summary = "Any linear time-invariant process, dx/dt = F x + G w, given by its matrices.";
   spec.source = "Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
   spec.parameters = {
       parameter::matrix("F", "1/s")
           .sized_by("x")
           .required()
-          .about("dynamics, row by row; elements between unlike quantities are SI numbers"),
-      parameter::matrix("G", "1").about("how the noises enter, a column per noise; the identity if absent"),
+          .about("dynamics matrix, row by row; plain SI numbers for elements between quantities with different units"),
+      parameter::matrix("G", "1").about("noise input matrix, a column per noise; default: the identity"),
       parameter::vector("q", "@x/sqrt(s)")
           .at_least(0)
-          .about("root of the power spectral density of each noise, a list; one element stands for all, no noise if "
-                 "absent"),
+          .about("root of the power spectral density of each noise, as a list; one element applies to all; default: no "
+                 "noise"),
   };
   spec.ports = {advances("x", "vector:*:*").about("the state vector")};
   spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]],
@@ -62,7 +62,7 @@ Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
     throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
                          "/F");
   if (parameters.has("G") && !parameters.has("q"))
-    throw ComponentError("G says how noise enters, but there is none: give 'q'", "/G");
+    throw ComponentError("G is given, but there is no noise: give 'q'", "/G");
   F_block_ = declaration_.couples(x, x);
   if (parameters.has("q")) {
     const Eigen::MatrixXd G = noise_input(parameters, dof);

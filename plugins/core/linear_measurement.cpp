@@ -49,15 +49,14 @@ ComponentSpec LinearMeasurement::spec() {
   spec.summary = "A vector, or linear combinations of its components, measured directly: z = H x + b + v.";
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 4.2";
   spec.parameters = {
-      parameter::matrix("H", "1").about("what a row sees of the block, row by row; the identity if absent"),
+      parameter::matrix("H", "1").about("observation matrix, row by row; default: the identity"),
       parameter::vector("sigma", "@x")
           .above(0)
           .required()
-          .about("standard deviation of each row's white noise, a list; one element stands for all rows"),
+          .about("standard deviation of each row's white noise, as a list; one element applies to all rows"),
   };
-  spec.ports = {
-      reads("x", "vector:*:*").about("the vector that is measured"),
-      reads("bias", "vector:*:*").optional().about("b, an additive error of the sensor: a component per row")};
+  spec.ports = {reads("x", "vector:*:*").about("the vector that is measured"),
+                reads("bias", "vector:*:*").optional().about("additive error b of the sensor, a component per row")};
   for (int i = 0; i < most_rows; ++i) {
     FieldSpec z = field::level(name_of_row(i), "*")
                       .about("measured value of row " + std::to_string(i) + ", in the unit of the block");

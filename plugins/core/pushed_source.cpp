@@ -14,21 +14,27 @@ FieldKind kind_of(const std::string& text) {
 ComponentSpec PushedSource::spec() {
   ComponentSpec spec;
   spec.type = "pushed";
-  spec.summary = "A channel that the program which embeds the filter fills, sample by sample.";
+  spec.summary = "A channel that the embedding program fills, sample by sample.";
   spec.parameters = {
-      parameter::map("fields",
-                     parameter::object("field",
-                                       {parameter::number("unit", "*").required().about("SI unit of the numbers"),
-                                        parameter::choice("kind", {"level", "rate", "increment"})
-                                            .defaults("\"level\"")
-                                            .about("at an instant, or mean or integral over an interval"),
-                                        parameter::boolean("per_row").defaults("false").about(
-                                            "one value per row of the sample")}))
+      parameter::map(
+          "fields",
+          parameter::object(
+              "field",
+              {parameter::number("unit", "*").required().about("SI unit of the numbers"),
+               parameter::choice("kind", {"level", "rate", "increment"})
+                   .defaults("\"level\"")
+                   .about(
+                       "level: value at an instant; rate: mean over an interval; increment: integral over an interval"),
+               parameter::boolean("per_row").defaults("false").about("whether each row of the sample has a value")}))
           .required()
-          .about("per-epoch fields in the order in which they are pushed"),
-      parameter::integer("max_rows").at_least(0).at_most(1024).defaults("0").about("most rows of a sample"),
+          .about("fields per epoch, in the order in which they are pushed"),
+      parameter::integer("max_rows")
+          .at_least(0)
+          .at_most(1024)
+          .defaults("0")
+          .about("largest number of rows of a sample"),
       parameter::list("covariance", parameter::text("component"))
-          .about("error components of an attached covariance, in order: \"position.north\""),
+          .about("error components of an attached covariance, in order, for example \"position.north\""),
   };
   spec.example =
       R"json({"fields": {"wx": {"unit": "rad", "kind": "increment"}, "wy": {"unit": "rad", "kind": "increment"}}})json";

@@ -7,7 +7,7 @@ namespace binnacle::core {
 ComponentSpec RandomConstant::spec() {
   ComponentSpec spec;
   spec.type = "random_constant";
-  spec.summary = "A block of any kind that does not move: unknown, but constant.";
+  spec.summary = "A block of any kind that is unknown but constant.";
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
   spec.ports = {advances("x", "*").about("the constant block")};
   spec.example = R"json({"blocks": {"x": "mounting"}})json";

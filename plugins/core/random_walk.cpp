@@ -9,14 +9,14 @@ namespace binnacle::core {
 ComponentSpec RandomWalk::spec() {
   ComponentSpec spec;
   spec.type = "random_walk";
-  spec.summary = "A vector that wanders: its rate is white noise.";
+  spec.summary = "A vector whose rate is white noise.";
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
   spec.parameters = {parameter::vector("q", "@x/sqrt(s)")
                          .sized_by("x")
                          .at_least(0)
                          .required()
-                         .about("root of the power spectral density of the rate: sigma after a time t is q sqrt(t)")};
-  spec.ports = {advances("x", "vector:*:*").about("the vector that wanders")};
+                         .about("root of the power spectral density of the rate; sigma after the time t is q sqrt(t)")};
+  spec.ports = {advances("x", "vector:*:*").about("the random walk")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "q": "2 deg/h/sqrt(h)"})json";
   spec.surroundings =
       R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 1e-5}}})json";

@@ -50,15 +50,16 @@ std::vector<std::string> component_names(const Parameters& parameters, int size)
 ComponentSpec VectorBlock::spec() {
   ComponentSpec spec;
   spec.type = "vector";
-  spec.summary = "A vector of like quantities: bias, scale factor, lever arm, misalignment, any linear state.";
+  spec.summary =
+      "A vector of quantities with one unit: bias, scale factor, lever arm, misalignment or another linear state.";
   spec.kind = "vector:*:*";
   spec.parameters = {
       parameter::integer("size").at_least(1).at_most(largest_size).required().about("number of components"),
       parameter::text("unit").defaults("\"1\"").about(
-          "SI unit of every component, \"rad/s\"; a state of mixed quantities takes \"1\" and plain SI numbers"),
-      parameter::list("components", parameter::text("name").about("component name"))
-          .about("names of the components; x for one, x y z for three, else x0 x1 … if absent"),
-      parameter::text("display").defaults("\"\"").about("unit in tables, \"deg/h\"; \"\" for the SI unit"),
+          "SI unit of every component, for example \"rad/s\"; for mixed quantities \"1\", with plain SI numbers"),
+      parameter::list("components", parameter::text("name").about("name of a component"))
+          .about("names of the components; default: x for one, x y z for three, else x0 x1 …"),
+      parameter::text("display").defaults("\"\"").about("unit in tables, for example \"deg/h\"; \"\" for the SI unit"),
   };
   spec.example = R"json({"size": 3, "unit": "rad/s", "display": "deg/h", "init": {"x": 0, "y": 0, "z": 0},
     "sigma": "20 deg/h"})json";

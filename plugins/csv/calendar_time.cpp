@@ -22,7 +22,7 @@ std::string read_gps(const CalendarTime& time, std::string_view cell, const std:
   Time seconds = 0;
   if (parse_time(cell, unit, seconds) != CellFault::none) return flaw(name, cell, "not a number");
   if (seconds < 0 || seconds > civil_time::week_length)
-    return flaw(name, cell, "no time of a week, which has 604800 s");
+    return flaw(name, cell, "not a time of a week, which has 604800 s");
   label = time.clock.time_of_gps(static_cast<Time>(week) * civil_time::week_length + seconds);
   return {};
 }
@@ -36,13 +36,14 @@ std::string CalendarTime::read(std::string_view cell, const std::string& name, s
   std::optional<Utc> utc;
   if (form == Form::instant) {
     utc = parse_utc(cell, zone);
-    if (!utc) return flaw(name, cell, "no time of ISO 8601, as 2026-11-23T12:00:05.25Z is");
+    if (!utc) return flaw(name, cell, "not a time of ISO 8601, as 2026-11-23T12:00:05.25Z is");
   } else {
     static constexpr const char* orders[] = {"year, month, day", "day, month, year", "month, day, year"};
     const auto day = parse_date(other_cell, order);
-    if (!day) return flaw(other_name, other_cell, std::string("no date of ") + orders[static_cast<std::size_t>(order)]);
+    if (!day)
+      return flaw(other_name, other_cell, std::string("not a date of ") + orders[static_cast<std::size_t>(order)]);
     const auto time = parse_clock(cell);
-    if (!time) return flaw(name, cell, "no time of day, as 12:00:05.25 is");
+    if (!time) return flaw(name, cell, "not a time of day, as 12:00:05.25 is");
     utc = utc_of(*day, *time, zone);
     if (!utc) return flaw(name, cell, "a leap second at the wrong time");
   }

@@ -20,8 +20,8 @@ std::vector<std::string> local_names() {
 ParameterSpec missing_spec() {
   return parameter::list("missing", parameter::text("value"))
       .about(
-          "cells that mean \"no data\"; the field is then NaN. Numbers match in any spelling: \"-9999\", \"nan\", "
-          "\"\"");
+          "cells that mean \"no data\" and give NaN, for example \"-9999\", \"nan\", \"\"; numbers match in any "
+          "notation");
 }
 
 /// A header of one cell that has another separator in it: the delimiter is not what the config says.
@@ -38,7 +38,7 @@ std::size_t index_by_number(const std::string& number, const FirstRow& first, co
   std::size_t index = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > first.cells.size())
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1 to " +
+    throw ComponentError("'" + number + "' is not a column: without header, columns are numbers from 1 to " +
                              std::to_string(first.cells.size()),
                          pointer);
   return index - 1;
@@ -67,14 +67,15 @@ FieldKind kind_of(const std::string& text) {
 
 /// "column", "unit", "missing", and how numbers are scaled: what each column has.
 std::vector<ParameterSpec> cell_members(const std::string& default_name) {
-  return {parameter::text("column").about("its name in the header, or its number from 1 without one; default: " +
-                                          default_name),
+  return {parameter::text("column").about(
+              "name of the column in the header, or its number from 1 without a header; default: " + default_name),
           parameter::number("unit", "*")
               .required()
-              .about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\", \"1\""),
+              .about("unit of the numbers in the file, for example \"deg/s\", \"g\", \"m\", \"1\""),
           parameter::number("scale", "1")
-              .about("the numbers are multiplied by it first: -1 turns an axis, 0.061 are degrees of a count"),
-          parameter::number("offset", "*").about("added then: a quantity of the column's dimension"), missing_spec()};
+              .about("factor on the numbers, applied first: -1 reverses an axis, 0.061 converts counts to degrees"),
+          parameter::number("offset", "*").about("offset added after the factor: a quantity of the column's dimension"),
+          missing_spec()};
 }
 
 void read_scaling(const Value& value, const std::string& pointer, Column& column) {
@@ -126,21 +127,18 @@ Column read_local_column(const Value& local, const std::string& name, const std:
 
 ParameterSpec column_spec() {
   auto members = cell_members("the field's name");
-  members.insert(
-      members.begin() + 2,
-      parameter::choice("kind", {"level", "rate", "increment"})
-          .defaults("\"level\"")
-          .about("level: at the sample's time; rate: mean over the interval that ends there; increment: integral over "
-                 "it"));
+  members.insert(members.begin() + 2, parameter::choice("kind", {"level", "rate", "increment"})
+                                          .defaults("\"level\"")
+                                          .about("level: value at the sample's time; rate: mean over the interval that "
+                                                 "ends there; increment: integral over this interval"));
   return parameter::object("field", std::move(members));
 }
 
 ParameterSpec local_spec() {
   return parameter::map("local", parameter::object("axis", cell_members("the axis's name")))
       .about(
-          "columns in local axes: north, east and down or up, m; v_north, v_east and v_down or v_up, m/s. They become "
-          "lat, "
-          "lon, height, and vn, ve, vd");
+          "columns in local axes: north, east and down or up, m; v_north, v_east and v_down or v_up, m/s; converted to "
+          "lat, lon, height and vn, ve, vd");
 }
 
 /// As the member stands, or null.
@@ -179,7 +177,7 @@ std::size_t index_in_header(const std::string& name, const FirstRow& header, con
     throw ComponentError(message, pointer);
   }
   if (std::find(found + 1, cells.end(), name) != cells.end())
-    throw ComponentError("column '" + name + "' stands in the header twice", pointer);
+    throw ComponentError("column '" + name + "' appears in the header twice", pointer);
   return static_cast<std::size_t>(found - cells.begin());
 }
 
@@ -209,7 +207,7 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   for (const auto& [key, value] : local.members)
     if (const auto names = local_names(); std::ranges::find(names, key) == names.end()) {
       const std::string near = closest(key, names);
-      throw ComponentError("'" + key + "' is no local axis; " +
+      throw ComponentError("'" + key + "' is not a local axis; " +
                                (near.empty() ? "they are: " + list_of(names) : "did you mean '" + near + "'?"),
                            "/local/" + escaped(key));
     }
@@ -217,15 +215,15 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   const auto add = [&](const char* name, const char* other, double& sign, FieldSpec field) {
     for (const FieldSpec& before : fields)
       if (before.name == field.name)
-        throw ComponentError("'" + field.name + "' stands among 'columns' too, and 'local' makes it", "/local");
+        throw ComponentError("'" + field.name + "' is in 'columns' too, but 'local' computes it", "/local");
     layout.columns.push_back(read_local_column(local, name, other, first, layout.format, sign));
     field.text += ", from local columns";
     fields.push_back(std::move(field));
   };
   double same = 1;
   add("north", "", same, field::level("lat", "rad").about("geodetic latitude"));
-  add("east", "", same, field::level("lon", "rad").about("east positive"));
-  add("down", "up", turned.down_sign, field::level("height", "m").about("above the ellipsoid"));
+  add("east", "", same, field::level("lon", "rad").about("longitude, east positive"));
+  add("down", "up", turned.down_sign, field::level("height", "m").about("height above the ellipsoid"));
   for (const auto& [key, value] : local.members) turned.has_velocity |= key.starts_with("v_");
   if (turned.has_velocity) {
     add("v_north", "", same, field::level("vn", "m/s").about("north of the place"));

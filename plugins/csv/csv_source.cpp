@@ -21,43 +21,47 @@ ParameterSpec time_spec() {
   return parameter::object(
              "time",
              {parameter::text("column").about(
-                  "its name in the header, or its number from 1; default: the first column"),
+                  "name of the column in the header, or its number from 1; default: the first column"),
               parameter::number("unit", "*")
                   .defaults("\"s\"")
-                  .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
-              parameter::time("offset").defaults("0").about("added to every label"),
+                  .about("unit of the labels, for example \"s\", \"ms\", \"us\", \"h\""),
+              parameter::time("offset").defaults("0").about("offset added to every label"),
               parameter::choice("format", {"number", "iso8601"})
                   .defaults("\"number\"")
-                  .about("iso8601: date and time in one cell, 2026-11-23T12:00:05.25+01:00, also with a blank for T"),
-              parameter::text("date_column").about("of dates; 'column' then has times of day, 12:00:05.25"),
+                  .about("iso8601: date and time in one cell, 2026-11-23T12:00:05.25+01:00, also with a blank instead "
+                         "of T"),
+              parameter::text("date_column").about("column of dates; 'column' then contains times of day, 12:00:05.25"),
               parameter::choice("date_order", {"ymd", "dmy", "mdy"})
                   .defaults("\"ymd\"")
-                  .about("of dates: 2026-11-23, 23.11.2026 or 11/23/2026; any of - / . between, or nothing"),
-              parameter::text("week_column").about("of GPS weeks; 'column' then has times of the week, in 'unit'"),
+                  .about("format of dates: 2026-11-23, 23.11.2026 or 11/23/2026, with - / . or nothing as separator"),
+              parameter::text("week_column")
+                  .about("column of GPS weeks; 'column' then contains times of the week, in 'unit'"),
               parameter::time("zone")
                   .at_least(-26 * 3600)
                   .at_most(26 * 3600)
-                  .about("calendar times minus UTC, where a cell has no zone of its own; default: they are UTC")})
+                  .about("calendar times minus UTC, for cells without a time zone; default: UTC")})
       .defaults("{}")
-      .about("the column of time labels; a label is the end of its sample's interval");
+      .about("column of time labels; a label is the end of its sample's interval");
 }
 
 ParameterSpec where_spec() {
   return parameter::object("where", {parameter::text("column").required().about(
-                                         "its name in the header, or its number from 1 without one"),
-                                     parameter::text("is").required().about("what stands there, to the letter")})
-      .about("of a file with lines of several kinds, those to be read; others are passed over, of whatever width");
+                                         "name of the column in the header, or its number from 1 without a header"),
+                                     parameter::text("is").required().about("exact text of the cell")})
+      .about(
+          "selection of lines in a file with several kinds of lines; other lines are ignored, with any number of "
+          "columns");
 }
 
 ParameterSpec rows_spec() {
   return parameter::object("rows", {parameter::text("key").required().about(
-                                        "the field that tells the rows of a sample apart: a satellite, an anchor"),
+                                        "field that identifies the rows of a sample, such as a satellite or an anchor"),
                                     parameter::integer("max_rows")
                                         .at_least(1)
                                         .at_most(4096)
                                         .defaults("64")
-                                        .about("rows that a sample may have; one with more is an error")})
-      .about("consecutive lines with the same label are one sample with a row for each; every field is then per row");
+                                        .about("largest number of rows of a sample; more rows are an error")})
+      .about("consecutive lines with the same label form one sample with a row each; every field is then per row");
 }
 
 Format read_format(const Parameters& parameters) {
@@ -90,7 +94,8 @@ void read_where(const Parameters& parameters, const FirstRow* header, Format& fo
   std::size_t index = 0;
   const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > most)
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1", "/where/column");
+    throw ComponentError("'" + number + "' is not a column: without header, columns are numbers from 1",
+                         "/where/column");
   format.where->index = index - 1;
 }
 
@@ -141,7 +146,7 @@ void read_calendar(const Parameters& parameters, const Parameters& time, const F
   for (const char* key : {"week", "epoch", "leap_seconds"})
     refuse_if(
         parameters.has(key) && !counts,
-        "it says where time is zero for calendar times and GPS weeks; here labels are plain numbers: see 'offset'",
+        "it gives the origin of time for calendar times and GPS weeks, but the labels are plain numbers: see 'offset'",
         std::string("/") + key);
   if (!counts) return;
   refuse_if(is_calendar && layout.time_unit != nanoseconds_per_second, "calendar times have no unit", "/time/unit");
@@ -191,42 +196,39 @@ ComponentSpec CsvSource::spec() {
   spec.type = "csv";
   spec.summary = "recorded samples from delimited text, plain or gzipped";
   spec.source = "RFC 4180 (text/csv), RFC 1952 (gzip)";
-  spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is recognized by its content"));
-  spec.parameters.push_back(parameter::map("columns", column_spec())
-                                .defaults("{}")
-                                .about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(parameter::path("path").required().about("input file; gzip is recognized by its content"));
+  spec.parameters.push_back(
+      parameter::map("columns", column_spec()).defaults("{}").about("fields of the channel and their columns"));
   spec.parameters.push_back(local_spec());
   spec.parameters.push_back(parameter::origin());
   spec.parameters.push_back(time_spec());
   spec.parameters.push_back(
       parameter::time("interval")
           .above(0)
-          .about("fixed length of the interval that a rate or increment belongs to; default: from label to label"));
+          .about("fixed length of the interval of a rate or increment; default: the time between labels"));
   spec.parameters.push_back(parameter::time("max_gap").above(0).about(
-      "a longer step between labels is reported and leaves the sample after it without interval; default: for rates "
-      "and increments ten times the median step, else none"));
+      "longest step between labels; a longer step is reported, and the sample after it has no interval; default: ten "
+      "times the median step for rates and increments, otherwise no limit"));
   spec.parameters.push_back(parameter::list("window", parameter::time("time"))
-                                .about("[from, to], after the offset: only samples inside are read"));
+                                .about("[from, to], after the offset; only samples inside are read"));
   spec.parameters.push_back(parameter::integer("every").at_least(1).at_most(1'000'000).defaults("1").about(
-      "so many samples become one: of levels the first of them; rates are averaged, increments summed"));
+      "number of samples combined into one: the first level; the mean of rates, the sum of increments"));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
-  spec.parameters.push_back(parameter::text("delimiter")
-                                .defaults("\",\"")
-                                .about("character between cells; \" \" stands for any run of blanks"));
+  spec.parameters.push_back(
+      parameter::text("delimiter").defaults("\",\"").about("character between cells; \" \": one or more blanks"));
   spec.parameters.push_back(parameter::choice("decimal", {".", ","})
                                 .defaults("\".\"")
-                                .about("what stands before the fraction of numbers; a comma needs another delimiter"));
+                                .about("decimal separator; a comma needs another delimiter"));
   spec.parameters.push_back(
-      parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
+      parameter::text("comment").defaults("\"#\"").about("prefix of lines that are skipped; \"\": none"));
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
-      "the first line names the columns; else they are numbered from 1"));
+      "true: the first line names the columns; false: columns are numbered from 1"));
   spec.parameters.push_back(where_spec());
   spec.parameters.push_back(rows_spec());
-  spec.parameters.push_back(
-      parameter::choice("invalid_rows", {"error", "skip"})
-          .defaults("\"error\"")
-          .about("error: stop at a bad number, NaN, column count or time that does not increase; skip: leave such rows "
-                 "out and report their number"));
+  spec.parameters.push_back(parameter::choice("invalid_rows", {"error", "skip"})
+                                .defaults("\"error\"")
+                                .about("error: stop at a bad number, NaN, column count or time that does not increase; "
+                                       "skip: skip such rows and report their number"));
   spec.example = R"({
   "path": "imu.csv",
   "time": { "column": "t_s", "unit": "s" },

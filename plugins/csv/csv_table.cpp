@@ -55,8 +55,8 @@ class FirstFaults : public RowFaults {
 };
 
 ComponentError changed(const Layout& layout, int line) {
-  return ComponentError::in_data("the file has changed since it was opened: other rows follow here now",
-                                 layout.format.path, line, "B061");
+  return ComponentError::in_data("the file has changed since it was opened: it has other rows now", layout.format.path,
+                                 line, "B061");
 }
 
 /// What was read once without a fault has none.
@@ -80,7 +80,7 @@ std::size_t samples_of_block(const Layout& layout, const Limits& limits) {
   std::string message = "no rows after the header";
   if (layout.format.where && progress.label_min == no_time && !any_skipped) message = no_such_row(*layout.format.where);
   if (any_skipped) {
-    message = "no rows left: every one in the window was skipped";
+    message = "no rows remain: all rows in the window were skipped";
   } else if (progress.label_min != no_time) {
     message = "no rows in the window; times run from " + time_text(progress.label_min + layout.time_offset) + " to " +
               time_text(progress.label_max + layout.time_offset) + (is_done ? " and on" : "");
@@ -184,7 +184,7 @@ class Table::Parts {
     faults.report(reporter);
     if (reader->is_cut())
       reporter.warn("B061", layout_.format.path, reader->line(),
-                    "the last line has no line end: the file may be cut there, and its last number with it");
+                    "the last line has no line end: the file and its last number may be truncated");
     if (count_ == 0) require_samples(layout_, reader->progress(), faults.any(), reader->is_done());
   }
 

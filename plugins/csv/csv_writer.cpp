@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 FieldSpec field(const char* name, const char* unit, FieldKind kind = FieldKind::level) {
-  return {name, unit, kind, true, false, "written where \"columns\" names it"};
+  return {name, unit, kind, true, false, "written if \"columns\" names it"};
 }
 
 /// Those that have a standard name; others are mapped to one of these by "fields".
@@ -38,9 +38,10 @@ std::vector<FieldSpec> writable_fields() {
 
 ParameterSpec column_spec() {
   return parameter::object(
-      "field",
-      {parameter::text("column").about("its name in the header; default: the field's name"),
-       parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
+      "field", {parameter::text("column").about("name of the column in the header; default: the field's name"),
+                parameter::number("unit", "*")
+                    .required()
+                    .about("unit of the numbers in the file, for example \"deg/s\", \"g\", \"m\"")});
 }
 
 /// Of a file beside the one that is written: another run may write it at the same time, from another machine too.
@@ -62,14 +63,15 @@ std::string joined(const std::vector<FieldSpec>& fields) {
 ComponentSpec CsvWriter::spec() {
   ComponentSpec spec;
   spec.type = "csv_writer";
-  spec.summary = "samples of a channel as delimited text, a row for each, as the csv source reads it";
+  spec.summary = "samples of a channel as delimited text, a row for each, in the format of the csv source";
   spec.source = "RFC 4180 (text/csv)";
   spec.parameters = {
-      parameter::path("path").required().about("the file; it is there when the run has ended"),
-      parameter::map("columns", column_spec()).required().about("what is written, from left to right after the time"),
-      parameter::text("time").defaults("\"t_s\"").about("name of the column of times, in seconds"),
-      parameter::time("offset").defaults("0").about("added to every time")};
-  spec.inputs = {{"input", writable_fields(), false, "what is written; rates are means over the sample's interval"}};
+      parameter::path("path").required().about("output file; complete at the end of the run"),
+      parameter::map("columns", column_spec()).required().about("columns from left to right after the time"),
+      parameter::text("time").defaults("\"t_s\"").about("name of the time column, in seconds"),
+      parameter::time("offset").defaults("0").about("offset added to every time")};
+  spec.inputs = {
+      {"input", writable_fields(), false, "channel to be written; rates are means over the sample's interval"}};
   spec.example = R"json({"input": "imu", "path": "imu.csv",
     "columns": {"wx": {"column": "gx_dps", "unit": "deg/s"}, "fx": {"column": "ax_g", "unit": "g"}}})json";
   return spec;
@@ -110,7 +112,8 @@ void CsvWriter::open() {
   std::error_code none;
   const auto status = fs::status(path_, none);
   if (fs::exists(status) && !fs::is_regular_file(status))  // which the file would replace
-    throw ComponentError("'" + path_ + "' is no regular file; the sink stream/json_writer sends to devices and pipes",
+    throw ComponentError("'" + path_ +
+                             "' is not a regular file; the sink stream/json_writer sends to devices and pipes",
                          "/path");
   text_ = header_;
 }

@@ -45,7 +45,7 @@ bool is_missing(const Missing& missing, std::string_view cell, CellFault fault, 
 }
 
 RowFault far_ahead(Time label) {
-  return {"B063", "time jumps ahead to " + time_text(label) + ", and back: the rows behind go on before it"};
+  return {"B063", "time jumps ahead to " + time_text(label) + " and back: the following rows are before it"};
 }
 
 }  // namespace

@@ -83,22 +83,26 @@ ParameterSpec Fault::spec() {
   std::vector<std::string> names;
   for (const auto& kind : kinds) names.emplace_back(kind.name);
   std::vector<ParameterSpec> members;
-  members.push_back(choice("kind", std::move(names)).required().about("what happens; see the plugin's README"));
-  members.push_back(list("fields", text("field")).about("of the channel, or \"covariance\"; all if not given"));
-  members.push_back(number("by", "*").about("step, ramp, quantize: how much; on lat and lon metres will do"));
-  members.push_back(number("sigma", "*").about("noise: its standard deviation"));
-  members.push_back(number("size", "*").about("outliers: standard deviation, or the size itself"));
+  members.push_back(choice("kind", std::move(names)).required().about("kind of fault; see the plugin's README"));
+  members.push_back(list("fields", text("field")).about("fields of the channel, or \"covariance\"; default: all"));
   members.push_back(
-      choice("tail", {"heavy", "normal", "fixed"}).about("outliers: Student's t of 3, normal, or ± size"));
-  members.push_back(number("factor", "1").about("scale: of the values; noise: share of the value"));
-  members.push_back(time("time").about("delay: added to the label; jitter: its standard deviation"));
-  members.push_back(time("from").about("first instant; without: from the beginning"));
-  members.push_back(time("until").about("end, not included; without: to the end"));
+      number("by", "*").about("step, ramp, quantize: size of the fault; metres are accepted for lat and lon"));
+  members.push_back(number("sigma", "*").about("noise: standard deviation"));
+  members.push_back(number("size", "*").about("outliers: standard deviation, or size"));
+  members.push_back(choice("tail", {"heavy", "normal", "fixed"})
+                        .about("outliers: distribution: Student's t with 3 degrees of freedom, normal, or ± size"));
   members.push_back(
-      choice("since", {"zero", "start"}).defaults("\"zero\"").about("start: both count from the first sample"));
-  members.push_back(number("share", "1").at_least(0).at_most(1).defaults("1").about("of the samples, at random"));
-  members.push_back(text("row_field").about("only rows that have row_value in this field"));
-  members.push_back(number("row_value", "1").about("see row_field"));
+      number("factor", "1").about("scale: factor on the values; noise: standard deviation relative to the value"));
+  members.push_back(time("time").about("delay: time added to the label; jitter: standard deviation of the added time"));
+  members.push_back(time("from").about("start of the window, included; default: the first sample"));
+  members.push_back(time("until").about("end of the window, not included; default: the last sample"));
+  members.push_back(choice("since", {"zero", "start"})
+                        .defaults("\"zero\"")
+                        .about("start: 'from' and 'until' count from the first sample"));
+  members.push_back(
+      number("share", "1").at_least(0).at_most(1).defaults("1").about("fraction of the samples, chosen at random"));
+  members.push_back(text("row_field").about("field that selects rows: only those with row_value in it"));
+  members.push_back(number("row_value", "1").about("value of row_field in the selected rows"));
   return object("fault", std::move(members));
 }
 

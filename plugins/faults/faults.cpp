@@ -12,14 +12,14 @@ ComponentSpec Faults::spec() {
   ComponentSpec spec;
   spec.type = "faults";
   spec.summary =
-      "Spoils a channel: steps, ramps, noise, outliers, frozen values, holes, delays and more, in windows or at "
+      "Faults in a channel: steps, ramps, noise, outliers, frozen values, holes, delays and more, in windows or at "
       "random.";
   spec.inputs = {
       input("samples", {field::level("lat", "rad").about("latitude, for example"),
                         field::level("lon", "rad").about("longitude"), field::level("height", "m").about("height")})
           .whole()
           .about("any channel")};
-  spec.parameters = {parameter::list("faults", Fault::spec()).required().about("done one after the other")};
+  spec.parameters = {parameter::list("faults", Fault::spec()).required().about("faults, applied in this order")};
   spec.example = R"json({"input": "gnss", "faults": [
       {"kind": "step", "fields": ["lat"], "by": "20 m", "from": "100 s", "until": "130 s"},
       {"kind": "outliers", "fields": ["height"], "size": "50 m", "share": 0.02}, {"kind": "drop", "share": 0.1}]})json";

@@ -12,14 +12,14 @@ namespace binnacle::frames {
 ComponentSpec LeverArm::spec() {
   ComponentSpec spec;
   spec.type = "lever_arm";
-  spec.summary = "The position of another point of the body: an antenna, an axle.";
+  spec.summary = "The position of another point of the body, such as an antenna or an axle.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 2.5.5";
   spec.kind = "position";
   spec.parameters = {lever_arm_parameter()};
-  spec.ports = {reads("position", "position").about("of the IMU"), reads("attitude", "attitude").about("of the body"),
-                lever_arm_port()};
+  spec.ports = {reads("position", "position").about("position of the IMU"),
+                reads("attitude", "attitude").about("attitude of the body"), lever_arm_port()};
   spec.example = R"json({"blocks": {"position": "position", "attitude": "attitude"},
     "lever_arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
   return spec;

@@ -13,14 +13,14 @@ inline ParameterSpec lever_arm_parameter() {
   return parameter::vector("lever_arm", "m", 3)
       .formerly("arm")
       .plausible(0, 100)
-      .about("from the IMU to the point: forward, right, down in body axes");
+      .about("lever arm from the IMU to the point: forward, right, down in body axes");
 }
 
 inline PortSpec lever_arm_port() {
   return reads("lever_arm", "vector:3:m")
       .optional()
       .formerly("arm")
-      .about("a lever arm in body axes that is estimated; adds to the parameter 'lever_arm'");
+      .about("estimated lever arm in body axes; added to the parameter 'lever_arm'");
 }
 
 /// The fixed part. A lever arm that is neither given nor plugged in is a mistake, not zero.

@@ -41,18 +41,19 @@ EarthRate earth_rate(ConstVectorView lla) {
 ComponentSpec LeverArmVelocity::spec() {
   ComponentSpec spec;
   spec.type = "lever_arm_velocity";
-  spec.summary = "The velocity of another point of a turning body: an antenna, an axle.";
+  spec.summary = "The velocity of another point of a rotating body, such as an antenna or an axle.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 2.5.5";
   spec.kind = "velocity.ned";
   spec.parameters = {lever_arm_parameter()};
-  spec.ports = {reads("velocity", "velocity.ned").about("of the IMU"),
-                reads("attitude", "attitude").about("of the body"),
-                reads("position", "position").optional().about("of the IMU; with it the earth's rate is taken off"),
-                reads("gyro_bias", "vector:3:rad/s").optional().about("taken off the measured rate"),
-                reads("gyro_scale", "vector:3:1").optional().about("scale factor error of the measured rate"),
-                lever_arm_port()};
+  spec.ports = {
+      reads("velocity", "velocity.ned").about("velocity of the IMU"),
+      reads("attitude", "attitude").about("attitude of the body"),
+      reads("position", "position").optional().about("position of the IMU; with it the earth rate is subtracted"),
+      reads("gyro_bias", "vector:3:rad/s").optional().about("gyro bias, subtracted from the measured rate"),
+      reads("gyro_scale", "vector:3:1").optional().about("scale factor error of the measured rate"),
+      lever_arm_port()};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"blocks": {"velocity": "velocity", "attitude": "attitude", "position": "position",
     "gyro_bias": "gyro_bias"}, "lever_arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";

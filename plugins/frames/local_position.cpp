@@ -13,8 +13,8 @@ const char* const sources =
     "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 2.1";
 
 std::vector<FieldSpec> geodetic_fields() {
-  return {level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-          level("height", "m").about("above the ellipsoid")};
+  return {level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("longitude, east positive"),
+          level("height", "m").about("height above the ellipsoid")};
 }
 FieldSpec velocity_field(const char* name, const char* text) { return level(name, "m/s").optional().about(text); }
 
@@ -27,9 +27,9 @@ ComponentSpec LocalFromGeodetic::spec() {
   spec.source = sources;
   spec.parameters = {parameter::origin()};
   auto fields = geodetic_fields();
-  fields.push_back(velocity_field("vn", "north of the place"));
-  fields.push_back(velocity_field("ve", "east of the place"));
-  fields.push_back(velocity_field("vd", "down of the place"));
+  fields.push_back(velocity_field("vn", "velocity over ground, north"));
+  fields.push_back(velocity_field("ve", "velocity over ground, east"));
+  fields.push_back(velocity_field("vd", "velocity over ground, down"));
   spec.inputs = {input("geodetic", std::move(fields)).about("the track")};
   spec.example = R"json({"input": "truth", "origin": {"lat": "49.01 deg", "lon": "8.43 deg", "height": "115 m"}})json";
   return spec;
@@ -41,9 +41,9 @@ LocalFromGeodetic::LocalFromGeodetic(const Binding& binding)
   position_ = binding.fields(track, "lat", "lon", "height");
   velocity_ = binding.fields(track, "vn", "ve", "vd");
   ChannelDeclaration channel;
-  local_position_ = channel.carries(level("north", "m").about("of the origin"), level("east", "m"), level("down", "m"),
-                                    level("up", "m").about("-down"));
-  local_velocity_ = channel.carries(level("v_north", "m/s").about("along the origin's axes"), level("v_east", "m/s"),
+  local_position_ = channel.carries(level("north", "m").about("local position, north of the origin"),
+                                    level("east", "m"), level("down", "m"), level("up", "m").about("-down"));
+  local_velocity_ = channel.carries(level("v_north", "m/s").about("local velocity, north"), level("v_east", "m/s"),
                                     level("v_down", "m/s"));
   channel_ = declaration_.emits(std::move(channel));
 }
@@ -61,17 +61,18 @@ void LocalFromGeodetic::on(const TransformInput& in, Emitter& emitter) const {
 ComponentSpec GeodeticFromLocal::spec() {
   ComponentSpec spec;
   spec.type = "geodetic_from_local";
-  spec.summary = "Local positions of a channel as latitude, longitude and height: for a measurement or a reference.";
+  spec.summary = "Local positions of a channel as latitude, longitude and height, for a measurement or a reference.";
   spec.source = sources;
   spec.parameters = {parameter::origin()};
   spec.parameters.push_back(parameter::choice("vertical", {"down", "up"})
                                 .defaults("\"down\"")
-                                .about("up: the channel's 'down' counts upwards; \"fields\" says what it is called"));
-  spec.inputs = {input("local", {level("north", "m").about("of the origin"), level("east", "m").about("of the origin"),
-                                 level("down", "m").about("of the origin, or up"),
-                                 velocity_field("v_north", "along the origin's axes"),
-                                 velocity_field("v_east", "along the origin's axes"),
-                                 velocity_field("v_down", "along the origin's axes, or up")})
+                                .about("up: the channel's 'down' is positive upwards; \"fields\" gives its name"));
+  spec.inputs = {input("local", {level("north", "m").about("local position, north of the origin"),
+                                 level("east", "m").about("local position, east of the origin"),
+                                 level("down", "m").about("local position, down of the origin, or up"),
+                                 velocity_field("v_north", "local velocity, north"),
+                                 velocity_field("v_east", "local velocity, east"),
+                                 velocity_field("v_down", "local velocity, down, or up")})
                      .about("the track")};
   spec.example = R"json({"input": "truth", "origin": {"lat": "49.01 deg", "lon": "8.43 deg", "height": "115 m"}})json";
   return spec;
@@ -84,10 +85,11 @@ GeodeticFromLocal::GeodeticFromLocal(const Binding& binding)
   local_velocity_ = binding.fields(track, "v_north", "v_east", "v_down");
   if (binding.parameters().text("vertical") == "up") down_ = -1;
   ChannelDeclaration channel;
-  position_ =
-      channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                      level("height", "m").about("above the ellipsoid"));
-  velocity_ = channel.carries(level("vn", "m/s").about("north of the place"), level("ve", "m/s"), level("vd", "m/s"));
+  position_ = channel.carries(level("lat", "rad").about("geodetic latitude"),
+                              level("lon", "rad").about("longitude, east positive"),
+                              level("height", "m").about("height above the ellipsoid"));
+  velocity_ =
+      channel.carries(level("vn", "m/s").about("velocity over ground, north"), level("ve", "m/s"), level("vd", "m/s"));
   channel_ = declaration_.emits(std::move(channel));
 }
 

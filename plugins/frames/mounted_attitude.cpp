@@ -11,11 +11,12 @@ namespace binnacle::frames {
 ComponentSpec MountedAttitude::spec() {
   ComponentSpec spec;
   spec.type = "mounted_attitude";
-  spec.summary = "The attitude of other axes fixed to the body, such as the vehicle that the IMU is mounted in.";
+  spec.summary =
+      "The attitude of other axes fixed to the body, such as those of the vehicle in which the IMU is mounted.";
   spec.source = "paper 001, equations (5) to (7)";
   spec.kind = "attitude";
   spec.parameters = mounting_parameters();
-  spec.ports = {reads("attitude", "attitude").about("of the body (IMU) axes"),
+  spec.ports = {reads("attitude", "attitude").about("attitude of the body (IMU) axes"),
                 reads("misalignment", "vector:3:rad")
                     .optional()
                     .about("small rotation vector zeta in vehicle axes: C_bv = C_bv0 exp(-[zeta x]), paper 001 (5)")};

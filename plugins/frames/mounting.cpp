@@ -25,22 +25,25 @@ ParameterSpec angle(std::string name, std::string text) {
 
 ParameterSpec euler_spec() {
   constexpr double turn = 2.0 * std::numbers::pi;
-  return parameter::object(
-             "euler",
-             {parameter::choice("order",
-                                {"zyx", "xyz", "zxy", "yxz", "xzy", "yzx", "zxz", "zyz", "xyx", "xzx", "yxy", "yzy"})
-                  .required()
-                  .about("the product of the turns as it is written, left to right: zyx is Rz Ry Rx"),
-              parameter::vector("angles", "rad", 3).at_least(-turn).at_most(turn).required().about("in this order")})
-      .about("three turns in any order, instead of roll, pitch, yaw (which are zyx, backwards)");
+  return parameter::object("euler",
+                           {parameter::choice("order", {"zyx", "xyz", "zxy", "yxz", "xzy", "yzx", "zxz", "zyz", "xyx",
+                                                        "xzx", "yxy", "yzy"})
+                                .required()
+                                .about("order of the product of the rotations as it is written: zyx is Rz Ry Rx"),
+                            parameter::vector("angles", "rad", 3)
+                                .at_least(-turn)
+                                .at_most(turn)
+                                .required()
+                                .about("angles in this order")})
+      .about("three rotations in any order, instead of roll, pitch, yaw");
 }
 
 ParameterSpec quaternion_spec() {
   return parameter::object(
              "quaternion",
-             {parameter::choice("order", {"wxyz", "xyzw"}).required().about("where the scalar part stands"),
+             {parameter::choice("order", {"wxyz", "xyzw"}).required().about("position of the scalar part"),
               parameter::vector("values", "1", 4).required().about("a unit quaternion")})
-      .about("that of the matrix: v_new = q (0, v) q*");
+      .about("quaternion with v_new = q (0, v) q*, instead of roll, pitch, yaw");
 }
 
 std::string text_of(double value) {
@@ -111,18 +114,19 @@ Eigen::Matrix3d read_rotation(const Parameters& parameters) {
 }  // namespace
 
 std::vector<ParameterSpec> mounting_parameters() {
-  return {angle("roll", "turn about x, made first"),
-          angle("pitch", "turn about y, made second"),
-          angle("yaw", "turn about z, made third"),
+  return {angle("roll", "rotation about x, applied first"),
+          angle("pitch", "rotation about y, applied second"),
+          angle("yaw", "rotation about z, applied third"),
           euler_spec(),
           quaternion_spec(),
           parameter::matrix("matrix", "1", 3, 3)
-              .about("rows: the new x, y, z in the old axes; orthonormal to 0.001, determinant 1"),
+              .about("rotation matrix, instead of roll, pitch, yaw; rows: the new x, y, z in the old axes; orthonormal "
+                     "to 0.001, determinant 1"),
           parameter::choice("flip", {"none", "flu_to_frd"})
               .defaults("\"none\"")
-              .about("flu_to_frd: the rotation leads to forward-left-up axes; y and z are then reversed"),
+              .about("flu_to_frd: the rotation results in forward-left-up axes, so y and z are then reversed"),
           parameter::boolean("inverse").defaults("false").about(
-              "what is given leads from the new axes to the old ones: its transpose is taken")};
+              "true: the given rotation is from the new axes to the old axes, so its transpose is used")};
 }
 
 Eigen::Matrix3d mounting_rotation(const Parameters& parameters) {

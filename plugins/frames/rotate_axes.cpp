@@ -51,13 +51,13 @@ std::vector<FieldSpec> joined(const Triad& first, const Triad& second) {
 ComponentSpec RotateAxes::spec() {
   ComponentSpec spec;
   spec.type = "rotate_axes";
-  spec.summary = "Inertial samples turned into other axes, as from a sensor's to its vehicle's.";
+  spec.summary = "Inertial samples rotated into other axes, for example from the sensor's to the vehicle's axes.";
   spec.parameters = mounting_parameters();
   const char* const axes = "sensor axes";
   spec.inputs = {input("imu", joined(rates(axes), forces(axes))).about("the inertial sensor"),
                  input("truth", joined(angles(axes), misalignments(axes)))
                      .optional()
-                     .about("of a simulation, whose axes are turned as well")};
+                     .about("truth of a simulation, which is rotated in the same way")};
   spec.example = R"json({"input": "raw_imu", "roll": "170.79 deg", "pitch": "60.5 deg", "yaw": "167.45 deg",
     "flip": "flu_to_frd"})json";
   return spec;

@@ -21,16 +21,16 @@ constexpr std::array<const char*, 3> sigma_flaws = {"position_sd_n is 0, negativ
 ComponentSpec PositionFix::spec() {
   ComponentSpec spec;
   spec.type = "position_fix";
-  spec.summary = "A geodetic position from a receiver, with its own standard deviations where it has them.";
+  spec.summary = "A geodetic position from a receiver, with the reported standard deviations if there are any.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m");
-  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm"),
+  spec.ports = {reads("position", "position").about("position of the antenna: a position block, or a lever_arm"),
                 reads("bias", "vector:3:m")
                     .optional()
-                    .about("of the receiver, north, east, down, correlated in time: measured = true + bias")};
+                    .about("time-correlated error of the receiver, north, east, down: measured = true + bias")};
   spec.fields = {field::level("lat", "rad").about("geodetic latitude, WGS-84"),
                  field::level("lon", "rad").about("longitude, east positive"),
-                 field::level("height", "m").about("above the ellipsoid")};
+                 field::level("height", "m").about("height above the ellipsoid")};
   for (FieldSpec& field : ReportedSigma::fields(sigma_prefix, "m")) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "gnss", "blocks": {"position": "antenna"}, "sigma": ["2 m", "2 m", "4 m"],
     "floor": "0.5 m", "gate": 0.999})json";

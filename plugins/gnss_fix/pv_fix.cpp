@@ -21,19 +21,21 @@ constexpr const char* names[6] = {"x", "y", "z", "vx", "vy", "vz"};
 ComponentSpec PvFix::spec() {
   ComponentSpec spec;
   spec.type = "pv_fix";
-  spec.summary = "Position and velocity in ECEF axes from a GNSS filter, with the whole covariance of the six.";
+  spec.summary =
+      "Position and velocity in ECEF axes from a GNSS filter, with the full covariance of the six components.";
   spec.source = "paper 003, section 4.2 and equation (11)";
   spec.parameters = {parameter::list("covariance", parameter::text("component"))
                          .defaults(
                              R"(["position.x", "position.y", "position.z", "velocity.x", "velocity.y", "velocity.z"])")
-                         .about("the channel's error components of x y z vx vy vz: BLOCK.COMPONENT of the filter"),
+                         .about("error components of the channel for x y z vx vy vz, as BLOCK.COMPONENT of the filter"),
                      parameter::number("inflate", "1")
                          .at_least(1)
                          .defaults("1")
-                         .about("factor on the covariance: a filter's errors are correlated in time, which its "
-                                "covariance does not show")};
-  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm"),
-                reads("velocity", "velocity.ned").about("of the antenna: a velocity block, or a lever_arm_velocity")};
+                         .about("factor on the covariance, because a filter's errors are correlated in time and its "
+                                "covariance does not show this")};
+  spec.ports = {
+      reads("position", "position").about("position of the antenna: a position block, or a lever_arm"),
+      reads("velocity", "velocity.ned").about("velocity of the antenna: a velocity block, or a lever_arm_velocity")};
   for (int i = 0; i < 6; ++i)
     spec.fields.push_back(field::level(names[i], i < 3 ? "m" : "m/s").about(i < 3 ? "ECEF position" : "ECEF velocity"));
   spec.example = R"json({"channel": "gps", "blocks": {"position": "position", "velocity": "velocity"},
@@ -78,7 +80,7 @@ Result PvFix::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
   if (!in.sample.covariance) return Result::unsupported("the sample comes without a covariance");
   if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8))
-    return Result::invalid("a position that is not near the earth");
+    return Result::invalid("the position is not near the earth");
   const Eigen::Vector3d lla = strapdown::lla_from_ecef(z.head<3>());
   const Matrix3d C_ne = strapdown::C_en(lla[0], lla[1]).transpose();
   out.rows = 6;

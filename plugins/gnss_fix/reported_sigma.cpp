@@ -13,13 +13,13 @@ std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
       parameter::vector("sigma", unit, 3)
           .above(0)
           .plausible(1e-4, most)
-          .about("standard deviation north, east, down of axes for which the channel reports none; then required"),
+          .about("standard deviation north, east, down, for axes for which the channel reports none; then required"),
       parameter::number("scale", "1").defaults("1").above(0).about("factor on the reported standard deviations"),
       parameter::vector("floor", unit, 3)
           .defaults("0")
           .at_least(0)
           .plausible(1e-4, most)
-          .about("north, east, down; reported standard deviations, scaled, are not believed below it"),
+          .about("lower bound of the reported and scaled standard deviations: north, east, down"),
   };
 }
 

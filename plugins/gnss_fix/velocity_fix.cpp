@@ -16,10 +16,11 @@ constexpr std::array<const char*, 3> sigma_flaws = {"velocity_sd_n is 0, negativ
 ComponentSpec VelocityFix::spec() {
   ComponentSpec spec;
   spec.type = "velocity_fix";
-  spec.summary = "A velocity over ground from a receiver, with its own standard deviations where it has them.";
+  spec.summary = "A velocity over ground from a receiver, with the reported standard deviations if there are any.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m/s");
-  spec.ports = {reads("velocity", "velocity.ned").about("of the antenna: a velocity block, or a lever_arm_velocity")};
+  spec.ports = {
+      reads("velocity", "velocity.ned").about("velocity of the antenna: a velocity block, or a lever_arm_velocity")};
   spec.fields = {field::level("vn", "m/s").about("velocity over ground, north"),
                  field::level("ve", "m/s").about("velocity over ground, east"),
                  field::level("vd", "m/s").about("velocity over ground, down")};

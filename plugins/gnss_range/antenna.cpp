@@ -27,15 +27,19 @@ constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it direc
 std::vector<PortSpec> position_ports() {
   return {reads("position", "position")
               .optional()
-              .about("of the antenna: a position block, a lever_arm; this or ecef_position"),
-          reads("ecef_position", "position.ecef").optional().about("of the antenna in ECEF axes; this or position")};
+              .about("position of the antenna: a position block or a lever_arm; alternative to ecef_position"),
+          reads("ecef_position", "position.ecef")
+              .optional()
+              .about("position of the antenna in ECEF axes; alternative to position")};
 }
 
 std::vector<PortSpec> velocity_ports() {
   return {reads("velocity", "velocity.ned")
               .optional()
-              .about("of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
-          reads("ecef_velocity", "velocity.ecef").optional().about("of the antenna in ECEF axes; this or velocity")};
+              .about("velocity of the antenna: a velocity block or a lever_arm_velocity; alternative to ecef_velocity"),
+          reads("ecef_velocity", "velocity.ecef")
+              .optional()
+              .about("velocity of the antenna in ECEF axes; alternative to velocity")};
 }
 
 AntennaPosition::AntennaPosition(const Binding& binding)

@@ -7,18 +7,19 @@ namespace binnacle::gnss_range {
 ComponentSpec ClockProcess::spec() {
   ComponentSpec spec;
   spec.type = "clock_drift";
-  spec.summary = "A receiver's clock: its drift is a random walk, its bias the integral of it and of white noise.";
+  spec.summary =
+      "A receiver's clock: the drift is a random walk, the bias is the integral of the drift and of white noise.";
   spec.source = "paper 003, equation (4); Brown and Hwang, Introduction to Random Signals, 3rd ed., section 11.2";
   spec.parameters = {parameter::number("S_f", "m^2/s")
                          .at_least(0)
                          .plausible(1e-10, 1e4)
                          .required()
-                         .about("density of the white noise of frequency, times c^2"),
+                         .about("power spectral density of the white frequency noise, times c^2"),
                      parameter::number("S_g", "m^2/s^3")
                          .at_least(0)
                          .plausible(1e-16, 1e4)
                          .required()
-                         .about("density of the random walk of frequency, times c^2")};
+                         .about("power spectral density of the random walk of the frequency, times c^2")};
   spec.ports = {advances("clock", "receiver_clock").about("bias and drift")};
   spec.example = R"json({"blocks": {"clock": "clock"}, "S_f": "0.009 m^2/s", "S_g": "0.0355 m^2/s^3"})json";
   spec.surroundings =

@@ -11,25 +11,23 @@ namespace binnacle::gnss_range {
 ComponentSpec EcefPv::spec() {
   ComponentSpec spec;
   spec.type = "ecef_pv";
-  spec.summary =
-      "Position and velocity in ECEF axes, driven by a white acceleration: a receiver without inertial sensors.";
+  spec.summary = "Position and velocity in ECEF axes with white acceleration, for a receiver without inertial sensors.";
   spec.source = "paper 003, section 4.2";
-  spec.parameters = {
-      parameter::number("S_a", "m^2/s^3")
-          .at_least(0)
-          .about(
-              "density of the acceleration, in each direction: how much the vehicle manoeuvres. This, or the next two"),
-      parameter::number("S_a_horizontal", "m^2/s^3")
-          .at_least(0)
-          .about("density of the acceleration along north and along east"),
-      parameter::number("S_a_vertical", "m^2/s^3")
-          .at_least(0)
-          .about("density of the acceleration along the vertical: a road vehicle's is small"),
-      parameter::number("S_v", "m^2/s")
-          .at_least(0)
-          .defaults("0")
-          .about("density of white noise added to the velocity: position that wanders by itself; large: every epoch "
-                 "stands alone")};
+  spec.parameters = {parameter::number("S_a", "m^2/s^3")
+                         .at_least(0)
+                         .about("power spectral density of the acceleration in each direction, from the vehicle's "
+                                "manoeuvres; alternative to the next two"),
+                     parameter::number("S_a_horizontal", "m^2/s^3")
+                         .at_least(0)
+                         .about("power spectral density of the north and the east acceleration"),
+                     parameter::number("S_a_vertical", "m^2/s^3")
+                         .at_least(0)
+                         .about("power spectral density of the vertical acceleration; small for a road vehicle"),
+                     parameter::number("S_v", "m^2/s")
+                         .at_least(0)
+                         .defaults("0")
+                         .about("power spectral density of the white noise added to the velocity, a random walk of the "
+                                "position; a large value makes every epoch independent")};
   spec.ports = {advances("position", "position.ecef").about("of the antenna"),
                 advances("velocity", "velocity.ecef").about("of the antenna")};
   spec.example = R"json({"blocks": {"position": "r", "velocity": "v"}, "S_a": "0.12 m^2/s^3"})json";

@@ -9,7 +9,7 @@ namespace binnacle::gnss_range {
 ComponentSpec GeodeticTrack::spec() {
   ComponentSpec spec;
   spec.type = "geodetic_track";
-  spec.summary = "ECEF positions of a channel as latitude, longitude and height: a reference for a geodetic block.";
+  spec.summary = "ECEF positions of a channel as latitude, longitude and height, as a reference for a geodetic block.";
   spec.source = "NIMA TR8350.2, 3rd edition (ellipsoid)";
   spec.inputs = {
       input("ecef", {level("x", "m", "ECEF position"), level("y", "m", "ECEF position"),

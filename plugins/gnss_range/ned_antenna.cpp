@@ -28,7 +28,7 @@ constexpr const char* not_near = "the position is not near the earth's surface, 
 ComponentSpec GeodeticPosition::spec() {
   ComponentSpec spec;
   spec.type = "geodetic_position";
-  spec.summary = "An ECEF position as latitude, longitude and height, for models that want that kind.";
+  spec.summary = "An ECEF position as latitude, longitude and height, for models that need this kind.";
   spec.source = "paper 003, equation (6)";
   spec.kind = "position";
   spec.ports = {reads("ecef_position", "position.ecef").about("the position in ECEF axes")};
@@ -52,10 +52,10 @@ Result GeodeticPosition::evaluate(const DerivedInput& in, DerivedOutput& out) co
 ComponentSpec NedVelocity::spec() {
   ComponentSpec spec;
   spec.type = "ned_velocity";
-  spec.summary = "An ECEF velocity in north, east, down axes, for models that want that kind.";
+  spec.summary = "An ECEF velocity in north, east, down axes, for models that need this kind.";
   spec.source = "paper 003, equation (8)";
   spec.kind = "velocity.ned";
-  spec.ports = {reads("ecef_position", "position.ecef").about("where the axes are taken"),
+  spec.ports = {reads("ecef_position", "position.ecef").about("position at which the axes are defined"),
                 reads("ecef_velocity", "velocity.ecef").about("the velocity in ECEF axes")};
   spec.example = R"json({"blocks": {"ecef_position": "r", "ecef_velocity": "v"}})json";
   spec.surroundings = blocks_example;

@@ -13,22 +13,22 @@ ComponentSpec NedPv::spec() {
   ComponentSpec spec;
   spec.type = "ned_pv";
   spec.summary =
-      "Geodetic position and velocity north, east, down, driven by a white acceleration: a receiver without inertial "
+      "Geodetic position and north, east, down velocity with white acceleration, for a receiver without inertial "
       "sensors.";
   spec.source = "paper 003, section 4.2, in local axes";
-  spec.parameters = {number("S_a_horizontal", "m^2/s^3")
-                         .at_least(0)
-                         .required()
-                         .about(
-                             "density of the acceleration along north and along east: how much the vehicle manoeuvres"),
-                     number("S_a_vertical", "m^2/s^3")
-                         .at_least(0)
-                         .required()
-                         .about("density of the acceleration along down: a road vehicle's is small"),
-                     number("S_v", "m^2/s")
-                         .at_least(0)
-                         .defaults("0")
-                         .about("density of white noise added to the velocity, in each direction")};
+  spec.parameters = {
+      number("S_a_horizontal", "m^2/s^3")
+          .at_least(0)
+          .required()
+          .about("power spectral density of the north and the east acceleration, from the vehicle's manoeuvres"),
+      number("S_a_vertical", "m^2/s^3")
+          .at_least(0)
+          .required()
+          .about("power spectral density of the vertical acceleration; small for a road vehicle"),
+      number("S_v", "m^2/s")
+          .at_least(0)
+          .defaults("0")
+          .about("power spectral density of the white noise added to the velocity, in each direction")};
   spec.ports = {advances("position", "position").about("of the antenna"),
                 advances("velocity", "velocity.ned").about("of the antenna")};
   spec.example =

@@ -11,18 +11,18 @@ namespace binnacle::gnss_range {
 ComponentSpec Pseudorange::spec() {
   ComponentSpec spec;
   spec.type = "pseudorange";
-  spec.summary = "Pseudoranges to satellites with a broadcast ephemeris or a position of their own, a row for each.";
+  spec.summary = "Pseudoranges to satellites, from broadcast ephemerides or given satellite positions, a row for each.";
   spec.source = "paper 003, equations (5), (6), (10); IS-GPS-200 20.3.3";
   spec.parameters = gnss::RangeNoise::parameters(gnss::RangeNoise::Of::pseudorange, "\"5 m\"");
   describe_range_model(spec, true);
   spec.ports = position_ports();
-  spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
+  spec.ports.push_back(reads("clock", "receiver_clock").about("clock of the receiver"));
   spec.ports.push_back(
       reads("system_offset", "vector:*:m")
           .optional()
           .formerly("galileo_bias")
-          .about("what pseudoranges of each of 'systems' but the first have more than those of the "
-                 "first; without 'systems': what Galileo's have more than those of GPS, and BeiDou is left out"));
+          .about("inter-system offset of the pseudoranges of each of 'systems' after the first, relative to the first; "
+                 "without 'systems': of Galileo relative to GPS, and BeiDou is not used"));
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "blocks": {"position": "antenna", "clock": "clock"}, "sigma": "0.5 m", "sigma_elevation": "0.5 m",
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";

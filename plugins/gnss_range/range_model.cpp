@@ -16,8 +16,8 @@ std::vector<std::int64_t> read_systems(const Parameters& parameters, const gnss:
   if (!parameters.has("systems")) {
     if (rows.has_system())
       throw ComponentError(
-          "the channel carries 'system': list the numbers to be used, the one whose clock is the "
-          "receiver's first: \"systems\": [1, 8]",
+          "the channel carries 'system': list the numbers to be used, first the system to which the receiver's clock "
+          "refers: \"systems\": [1, 8]",
           "/systems");
     return systems;
   }
@@ -37,13 +37,12 @@ std::vector<std::int64_t> read_systems(const Parameters& parameters, const gnss:
 void describe_range_model(ComponentSpec& spec, bool rate_is_optional) {
   for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
   for (auto& parameter : SatelliteLimit::parameters()) spec.parameters.push_back(std::move(parameter));
-  spec.parameters.push_back(
-      parameter::list("systems", parameter::integer("system").at_least(0))
-          .about("numbers of the satellite systems to be used, the one whose clock is the receiver's first; rows of "
-                 "another are left out. Default: all there are"));
+  spec.parameters.push_back(parameter::list("systems", parameter::integer("system").at_least(0))
+                                .about("numbers of the satellite systems to be used, first the system to which the "
+                                       "receiver's clock refers; rows of others are not used. Default: all systems"));
   spec.inputs = {gnss::ephemeris_port(), gnss::klobuchar_port()};
   spec.inputs[0].is_optional = true;
-  spec.inputs[0].text += "; not where the channel gives the satellites' positions";
+  spec.inputs[0].text += "; not needed if the channel gives the satellites' positions";
   spec.fields = gnss::observation_fields(rate_is_optional);
   for (auto& field : gnss::given_fields()) spec.fields.push_back(std::move(field));
 }
@@ -61,8 +60,8 @@ RangeModel::RangeModel(const Binding& binding, gnss::RangeNoise::Of of)
   if (rows_.are_given() == ephemeris_.is_bound())
     throw ComponentError(
         ephemeris_.is_bound()
-            ? "the channel gives the satellites' positions (satellite_x …): an ephemeris would be a second one; leave "
-              "the input out"
+            ? "the channel gives the satellites' positions (satellite_x …): remove the input 'ephemeris', which would "
+              "be a second source"
             : "an ephemeris is needed on input 'ephemeris', or the satellites' positions on the channel: satellite_x, "
               "satellite_y, satellite_z",
         "/inputs/ephemeris");
@@ -89,8 +88,7 @@ Result RangeModel::sight(const MeasurementInput& in, gnss::AntennaPlace& place, 
   if (const Result result = antenna_.read(in.x, place); !result) return result;
   const gnss::Corrections::Tally tally =
       corrections_.sight({in.sample.t, &in.sample, ephemeris, &klobuchar}, place, true, sightings);
-  if (tally.misplaced > 0)
-    in.notes.leave("a row is left out: its satellite has no position, or no clock, that it can have");
+  if (tally.misplaced > 0) in.notes.leave("a row is left out: its satellite has no valid position or clock");
   if (tally.repeated > 0) in.notes.leave("a row is left out: its satellite has one in this epoch already");
   const int usable = keep_usable(in.notes, sightings, tally.used);
   count = gnss::Corrections::keep_highest(sightings, usable, limit_.at(in.sample.t));
@@ -99,7 +97,7 @@ Result RangeModel::sight(const MeasurementInput& in, gnss::AntennaPlace& place, 
   if (usable > 0) return Result::unsupported("a cut leaves no satellite");
   if (tally.used > 0) return Result::unsupported("no satellite in view is of one of the 'systems' and has a variance");
   if (tally.without_ephemeris > 0) return Result::unsupported("no satellite in view has an ephemeris");
-  if (tally.misplaced > 0) return Result::unsupported("no satellite in view has a position that it can have");
+  if (tally.misplaced > 0) return Result::unsupported("no satellite in view has a valid position");
   return Result::unsupported("no satellite is above the masks");
 }
 

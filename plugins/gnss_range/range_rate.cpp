@@ -12,14 +12,14 @@ ComponentSpec RangeRateModel::spec() {
   ComponentSpec spec;
   spec.type = "range_rate";
   spec.summary =
-      "Range rates (Doppler shifts) of satellites with a broadcast ephemeris or a velocity of their own, a row for "
+      "Range rates (Doppler shifts) of satellites, from broadcast ephemerides or given satellite velocities, a row for "
       "each.";
   spec.source = "paper 003, equations (7) to (10); IS-GPS-200 20.3.3";
   spec.parameters = gnss::RangeNoise::parameters(gnss::RangeNoise::Of::range_rate, "\"0.1 m/s\"");
   describe_range_model(spec, false);
   spec.ports = position_ports();
   for (auto& port : velocity_ports()) spec.ports.push_back(std::move(port));
-  spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
+  spec.ports.push_back(reads("clock", "receiver_clock").about("clock of the receiver"));
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris"},
     "blocks": {"position": "antenna", "velocity": "antenna_velocity", "clock": "clock"}, "sigma": "0.05 m/s"})json";
   spec.surroundings = example_sky;
@@ -49,7 +49,7 @@ Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& 
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
     if (!(s.velocity.norm() < 1e5)) {               // NaN as well
-      in.notes.leave("a row is left out: its satellite has no velocity that it can have");
+      in.notes.leave("a row is left out: its satellite has no valid velocity");
       continue;
     }
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());

@@ -14,16 +14,18 @@ std::vector<ParameterSpec> SatelliteLimit::parameters() {
               .at_least(1)
               .at_most(gnss::most_rows)
               .defaults("32")
-              .about("rows of an epoch at most; of more satellites the highest are used"),
+              .about("largest number of rows of an epoch; of more satellites, the highest are used"),
           integer("min_satellites")
               .at_least(1)
               .at_most(8)
               .defaults("1")
-              .about("an epoch with fewer is unsupported; 4: a receiver that gives no position of its own otherwise"),
-          list("cuts", object("cut", {time("from").required().about("first instant of it"),
-                                      time("to").required().about("last instant of it"),
-                                      integer("satellites").at_least(0).required().about("used at most")}))
-              .about("stretches with fewer satellites, the highest of those there are: what a shaded sky leaves")};
+              .about("least number of satellites; epochs with fewer are unsupported; 4: as a receiver that needs four "
+                     "for its own position"),
+          list("cuts",
+               object("cut", {time("from").required().about("start of the interval"),
+                              time("to").required().about("end of the interval"),
+                              integer("satellites").at_least(0).required().about("largest number of satellites used")}))
+              .about("intervals with fewer satellites, as under a shaded sky; the highest satellites are used")};
 }
 
 SatelliteLimit::SatelliteLimit(const Parameters& parameters)

@@ -128,13 +128,13 @@ ComponentSpec SinglePoint::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "single_point";
-  spec.summary = "Position, velocity and clock of each epoch by itself, by iterated least squares.";
+  spec.summary = "Position, velocity and clock of each single epoch, by iterated least squares.";
   spec.source =
       "Misra and Enge, Global Positioning System: Signals, Measurements, and Performance, 2nd ed., chapter 6; "
       "exclusion by the largest normalized residual: Baarda, A testing procedure for use in geodetic networks, 1968";
   spec.inputs = {gnss::ephemeris_port(),
                  gnss::klobuchar_port(),
-                 {"obs", gnss::observation_fields(true), false, "pseudoranges, and range rates where there are any"}};
+                 {"obs", gnss::observation_fields(true), false, "pseudoranges and, if available, range rates"}};
   spec.parameters = {object("pseudorange", gnss::RangeNoise::parameters(gnss::RangeNoise::Of::pseudorange, "\"5 m\""))
                          .defaults("{}")
                          .about("noise of pseudoranges"),
@@ -146,19 +146,17 @@ ComponentSpec SinglePoint::spec() {
   spec.parameters.push_back(number("exclude_beyond", "1")
                                 .above(0)
                                 .defaults("5")
-                                .about("a satellite whose normalized residual is larger is left out, the worst first, "
-                                       "while there are more satellites than unknowns"));
-  spec.parameters.push_back(number("max_gdop", "1").above(0).defaults("30").about("no solution above it"));
-  spec.parameters.push_back(
-      number("unknown_speed", "m/s")
-          .above(0)
-          .defaults("100")
-          .about("standard deviation of the velocity, given as zero, where no range rates give it"));
-  spec.parameters.push_back(
-      number("unknown_drift", "m/s")
-          .above(0)
-          .defaults("1000")
-          .about("standard deviation of the clock's drift, given as zero, where no range rates give it"));
+                                .about("largest normalized residual; satellites beyond it are excluded, the largest "
+                                       "first, while there are more satellites than unknowns"));
+  spec.parameters.push_back(number("max_gdop", "1").above(0).defaults("30").about("largest GDOP of a solution"));
+  spec.parameters.push_back(number("unknown_speed", "m/s")
+                                .above(0)
+                                .defaults("100")
+                                .about("standard deviation of the velocity, which is zero without range rates"));
+  spec.parameters.push_back(number("unknown_drift", "m/s")
+                                .above(0)
+                                .defaults("1000")
+                                .about("standard deviation of the clock's drift, which is zero without range rates"));
   spec.example = R"json({"inputs": {"obs": "gnss.obs", "ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
   return spec;

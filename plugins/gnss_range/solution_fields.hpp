@@ -25,7 +25,7 @@ inline PlaceFields carry_ecef(ChannelDeclaration& channel) {
 inline PlaceFields carry_geodetic(ChannelDeclaration& channel) {
   const auto position =
       channel.carries(level("lat", "rad", "geodetic latitude"), level("lon", "rad", "longitude, east positive"),
-                      level("height", "m", "above the ellipsoid"));
+                      level("height", "m", "height above the ellipsoid"));
   return {position, channel.carries(level("vn", "m/s", "velocity over ground, north"),
                                     level("ve", "m/s", "velocity over ground, east"),
                                     level("vd", "m/s", "velocity over ground, down"))};

@@ -14,15 +14,14 @@ ComponentSpec SurveyedPoint::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "surveyed_point";
-  spec.summary =
-      "A place that is known, at the times of another channel: what an antenna that stands still is judged by.";
+  spec.summary = "A known position at the times of another channel, as the reference of a static antenna.";
   spec.source = "NIMA TR8350.2, 3rd edition (ellipsoid)";
-  spec.parameters = {vector("ecef", "m", 3).about("in ECEF axes; this, or lat, lon and height"),
+  spec.parameters = {vector("ecef", "m", 3).about("ECEF position; alternative to lat, lon and height"),
                      number("lat", "rad").at_least(-M_PI / 2).at_most(M_PI / 2).about("geodetic latitude, WGS-84"),
                      number("lon", "rad").about("longitude, east positive"),
-                     number("height", "m").about("above the ellipsoid")};
+                     number("height", "m").about("height above the ellipsoid")};
   spec.inputs = {input("when", {field::level("satellite", "1").per_row().about("an observation channel")})
-                     .about("whose epochs are repeated")};
+                     .about("channel with the epochs")};
   spec.example = R"json({"input": "gnss.obs", "ecef": [-3976219.1, 3382371.6, 3652511.2]})json";
   return spec;
 }

@@ -40,7 +40,8 @@ ComponentSpec InMotionAlignment::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "in_motion_alignment";
-  spec.summary = "attitude of an IMU that moves, in any direction and without rest, from GNSS velocities over a window";
+  spec.summary =
+      "attitude of a moving IMU from GNSS velocities over a window, for motion in any direction and without rest";
   spec.source =
       "Y. Wu, X. Pan, Velocity/position integration formula part I: application to in-flight coarse alignment, IEEE "
       "Transactions on Aerospace and Electronic Systems 49, 2013";
@@ -56,23 +57,22 @@ ComponentSpec InMotionAlignment::spec() {
   spec.inputs = {input("imu", std::move(of_imu)).about("angular rate and specific force, body axes"),
                  input("gnss", std::move(of_gnss)).about("velocity, twice a second or more")};
   spec.parameters = {
-      time("window").above(0).defaults("\"20 s\"").about("velocities that make one attitude"),
-      time("every").at_least(0).defaults("\"1 s\"").about("shortest time from one attitude to the next"),
+      time("window").above(0).defaults("\"20 s\"").about("time window of the velocities for one attitude"),
+      time("every").at_least(0).defaults("\"1 s\"").about("shortest time between attitudes"),
       number("max_heading_sd", "rad")
           .above(0)
           .defaults("\"5 deg\"")
-          .about("an attitude whose heading is less certain (1-sigma) is not given out"),
+          .about("largest 1-sigma of the heading; less certain attitudes are not emitted"),
       number("max_misfit", "1")
           .above(1)
           .defaults("3")
-          .about(
-              "nor one whose residuals are larger than so many of their 1-sigma (RMS): a sensor is not what it should "
-              "be, or the antenna is far away"),
+          .about("largest RMS of the residuals relative to their 1-sigma; attitudes beyond it are not emitted, because "
+                 "a sensor is faulty or the antenna is far away"),
       number("course", "rad")
           .above(0)
-          .about("1-sigma of the x axis against the course over ground, of a vehicle that drives forward: helps where "
-                 "the window gives no attitude; default: the vehicle may drive in any direction"),
-      number("min_speed", "m/s").above(0).defaults("\"3 m/s\"").about("below, there is no course"),
+          .about("1-sigma of the angle between the x axis and the course over ground, for a vehicle that drives "
+                 "forward; used if the window gives no attitude; default: the vehicle may move in any direction"),
+      number("min_speed", "m/s").above(0).defaults("\"3 m/s\"").about("least speed for a course"),
       number("velocity_sd", "m/s").above(0).about("1-sigma per axis; default: as the channel reports it, else 0.2"),
       number("accelerometer_bias", "m/s^2").above(0).defaults("\"20 mg\"").about("1-sigma per axis"),
       number("gyro_bias", "rad/s").above(0).defaults("\"0.5 deg/s\"").about("1-sigma per axis")};
@@ -189,7 +189,7 @@ std::string InMotionAlignment::waits_for(const MemoryView& memory) const {
   if (state.t_emitted != no_time) return "";
   if (state.samples == 0) return "no sample of the IMU came";
   if (state.velocities == 0) return "no velocity came while the IMU ran";
-  if (state.least_heading_sd == 0) return "velocities and IMU samples without a hole span less than half of window";
+  if (state.least_heading_sd == 0) return "velocities and IMU samples without a hole cover less than half of 'window'";
   char text[160];
   if (!(state.least_misfit <= largest_misfit_))
     std::snprintf(

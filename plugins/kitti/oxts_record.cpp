@@ -67,7 +67,7 @@ int read_numbers(std::string_view line, std::array<double, column_count>& values
 std::string read_record(std::string_view line, OxtsRecord& record) {
   std::array<double, column_count> v{};
   const int count = read_numbers(line, v);
-  if (count < 0) return "a word is no number";
+  if (count < 0) return "a word is not a number";
   if (count != column_count) return "it has " + std::to_string(count) + " numbers instead of 30";
   if (std::abs(v[lat]) > 90 || std::abs(v[lon]) > 180) return "a coordinate is beyond its range";
   if (v[position_accuracy] < 0 || v[velocity_accuracy] < 0) return "an accuracy is negative";

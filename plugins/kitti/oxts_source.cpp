@@ -25,16 +25,17 @@ ComponentSpec OxtsSource::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "oxts";
-  spec.summary = "inertial data and navigation of an OXTS unit from the text folders of KITTI's raw recordings";
+  spec.summary = "inertial and navigation data of an OXTS unit, from the text folders of KITTI's raw recordings";
   spec.source =
       "A. Geiger et al., Vision meets robotics: the KITTI dataset, IJRR 32 (2013); dataformat.txt of its oxts folders";
   spec.parameters = {
-      path("path").required().about("the folder oxts, with timestamps.txt and data; or the one that holds it"),
-      time("zone").defaults("0").about("the stamps' clock minus UTC"),
-      time("max_gap").above(0).defaults("\"1 s\"").about("after a longer step the inertial data have no interval"),
+      path("path").required().about("folder oxts, with timestamps.txt and data, or its parent folder"),
+      time("zone").defaults("0").about("clock of the time stamps minus UTC"),
+      time("max_gap").above(0).defaults("\"1 s\"").about(
+          "longest step between time stamps; after a longer step the inertial data have no interval"),
       choice("on_error", {"skip", "stop"})
           .defaults("\"skip\"")
-          .about("skip: a stamp or a file that is no good is left out, counted and reported; stop: it ends the run")};
+          .about("skip: invalid time stamps or files are skipped, counted and reported; stop: they end the run")};
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.example = R"json({"path": "oxts", "week": 1655})json";
   const std::string row =
@@ -66,9 +67,9 @@ void OxtsSource::declare_channels() {
   using field::level;
   using field::rate;
   ChannelDeclaration solution, imu("imu");
-  position_ =
-      solution.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                       level("height", "m").about("as the unit gives it"));
+  position_ = solution.carries(level("lat", "rad").about("geodetic latitude"),
+                               level("lon", "rad").about("longitude, east positive"),
+                               level("height", "m").about("as the unit gives it"));
   velocity_ = solution.carries(level("vn", "m/s").about("north"), level("ve", "m/s"), level("vd", "m/s").about("down"));
   attitude_ = solution.carries(level("roll", "rad"), level("pitch", "rad").about("front up"),
                                level("yaw", "rad").about("from true north, clockwise"));
@@ -93,7 +94,7 @@ std::vector<Time> OxtsSource::read_stamps(text_file::Faults& faults) const {
     text_file::LineReader reader((folder_ / "timestamps.txt").string());
     for (std::string_view line; reader.next(line);) {
       const auto utc = read_stamp(line);
-      if (!utc) faults.add("B062", reader.line(), "stamp", "'" + std::string(line.substr(0, 40)) + "' is no time");
+      if (!utc) faults.add("B062", reader.line(), "stamp", "'" + std::string(line.substr(0, 40)) + "' is not a time");
       stamps.push_back(utc ? clock_.time(*utc) - zone_ : no_time);
     }
   } catch (const text_file::FileFault& fault) {

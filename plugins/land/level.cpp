@@ -11,15 +11,16 @@ namespace binnacle::land {
 ComponentSpec Level::spec() {
   ComponentSpec spec;
   spec.type = "level";
-  spec.summary = "Level: at each sample of its channel the roll of a vehicle on roads is zero, in the mean.";
+  spec.summary = "Level: at each sample of its channel the roll of a road vehicle has zero mean.";
   spec.source = "cross slopes and springs even out; roll of C_nb = Rz(yaw) Ry(pitch) Rx(roll)";
   spec.parameters = {parameter::number("sigma", "rad")
                          .above(0)
                          .plausible(0.005, 1)
                          .required()
-                         .about("standard deviation of the roll; it lasts, so take a few times what roads do"),
+                         .about("standard deviation of the roll; the roll is correlated in time, so use several times "
+                                "the cross slope of roads"),
                      Spacing::parameter()};
-  spec.ports = {reads("attitude", "attitude").about("of the vehicle, as the mounting angles make it")};
+  spec.ports = {reads("attitude", "attitude").about("attitude of the vehicle, from the mounting angles")};
   spec.example =
       R"json({"channel": "motion.moving", "blocks": {"attitude": "attitude"}, "sigma": "8 deg", "spacing": "2 s"})json";
   return spec;

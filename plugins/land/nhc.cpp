@@ -23,7 +23,7 @@ double squared(double value) { return value * value; }
 ComponentSpec Nhc::spec() {
   ComponentSpec spec;
   spec.type = "nhc";
-  spec.summary = "Non-holonomic constraint: a vehicle on wheels moves along its x axis alone.";
+  spec.summary = "Non-holonomic constraint: a wheeled vehicle moves only along its x axis.";
   spec.source = "paper 001, equations (4) and (9)";
   spec.parameters = {
       parameter::vector("sigma", "m/s", 2)
@@ -31,12 +31,12 @@ ComponentSpec Nhc::spec() {
           .plausible(1e-4, 10)
           .required()
           .about("standard deviation of the true velocity to the right (y) and down (z)"),
-      parameter::choice("axes", {"yz", "y", "z"}).defaults("\"yz\"").about("which of the two are constrained"),
+      parameter::choice("axes", {"yz", "y", "z"}).defaults("\"yz\"").about("constrained axes"),
       parameter::number("angle", "rad")
           .at_least(0)
           .plausible(0, 0.5)
           .defaults("0")
-          .about("deviation of the direction of travel from x; adds (angle * speed)^2 to both variances"),
+          .about("angle between the direction of travel and x, 1-sigma; adds (angle * speed)^2 to both variances"),
       parameter::number("slip", "rad*s^2/m")
           .at_least(0)
           .defaults("0")
@@ -45,14 +45,19 @@ ComponentSpec Nhc::spec() {
           .at_least(0)
           .plausible(0, 10)
           .defaults("0")
-          .about("what is not known of where the point lies; adds (turn * |w|)^2 to both variances"),
+          .about("uncertainty of the point's position; adds (turn * |w|)^2 to both variances"),
       parameter::number("lateral", "s")
           .at_least(0)
           .plausible(0, 1)
           .defaults("0")
-          .about("velocity across per lateral specific force; adds (lateral * fy)^2 to the variance of y"),
-      parameter::number("min_speed", "m/s").at_least(0).defaults("2").about("slower than this it is unsupported"),
-      parameter::number("max_turn_rate", "rad/s").above(0).about("turning faster than this it is unsupported"),
+          .about("lateral velocity per lateral specific force; adds (lateral * fy)^2 to the variance of y"),
+      parameter::number("min_speed", "m/s")
+          .at_least(0)
+          .defaults("2")
+          .about("least speed; samples at lower speeds are unsupported"),
+      parameter::number("max_turn_rate", "rad/s")
+          .above(0)
+          .about("largest turn rate; samples at higher rates are unsupported"),
       Spacing::parameter()};
   spec.ports = vehicle_ports();
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz"), lateral_force()};

@@ -18,16 +18,16 @@ ComponentSpec Odometer::spec() {
       parameter::number("relative", "1")
           .at_least(0)
           .defaults("0")
-          .about("adds (relative * speed)^2 to the variance: slip of the wheel"),
+          .about("relative noise from wheel slip: adds (relative * speed)^2 to the variance"),
       parameter::number("min_speed", "m/s")
           .at_least(0)
           .defaults("0")
-          .about("a sample of less is unsupported: many sensors report nothing of creeping")};
+          .about("least speed; samples below it are unsupported, because many sensors do not report very low speeds")};
   spec.ports = vehicle_ports();
   spec.ports.push_back(reads("scale", "vector:1:1")
                            .optional()
                            .about("scale factor error s: the sensor reports (1 + s) times the speed"));
-  spec.fields = {field::level("speed", "m/s").about("along the vehicle's x axis, negative in reverse")};
+  spec.fields = {field::level("speed", "m/s").about("speed along the vehicle's x axis, negative in reverse")};
   spec.example = R"json({"channel": "wheel", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment", "scale": "scale"}, "sigma": "0.05 m/s", "gate": 0.999})json";
   spec.surroundings = R"json({"blocks": {

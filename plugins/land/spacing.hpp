@@ -17,7 +17,7 @@ class Spacing {
  public:
   static ParameterSpec parameter() {
     return parameter::time("spacing").at_least(0).defaults("0").about(
-        "samples nearer than this to the last accepted one are unsupported");
+        "shortest time since the last accepted sample; earlier samples are unsupported");
   }
 
   Spacing(const Binding& binding, MeasurementDeclaration& declaration)

@@ -10,8 +10,8 @@ namespace binnacle::land {
 
 inline std::vector<PortSpec> vehicle_ports() {
   return vehicle::VehicleVelocity::ports(
-      "of the point that does not slip: a lever_arm_velocity to the rear axle",
-      "of the vehicle as it is thought to be: a mounted_attitude unless the IMU's axes are its");
+      "velocity of the point that does not slip: a lever_arm_velocity to the rear axle",
+      "nominal attitude of the vehicle: a mounted_attitude, unless its axes are those of the IMU");
 }
 
 }  // namespace binnacle::land

@@ -13,7 +13,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 FieldSpec rate(std::string name) {
-  return field::rate(std::move(name), "rad/s").about("mean angular rate against inertial space, body axes");
+  return field::rate(std::move(name), "rad/s").about("mean angular rate with respect to inertial space, body axes");
 }
 
 }  // namespace
@@ -21,18 +21,19 @@ FieldSpec rate(std::string name) {
 ComponentSpec ZeroRate::spec() {
   ComponentSpec spec;
   spec.type = "zero_rate";
-  spec.summary = "Zero angular rate: at each sample of its channel the body does not turn against the earth.";
+  spec.summary = "Zero angular rate: at each sample of its channel the body does not rotate relative to the earth.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 15.3.2";
   spec.parameters = {parameter::vector("sigma", "rad/s", 3)
                          .above(0)
                          .plausible(1e-8, 0.5)
                          .required()
-                         .about("standard deviation of a sample's mean rate, body axes: noise and shaking"),
+                         .about("standard deviation of a sample's mean rate from noise and vibration, body axes"),
                      Spacing::parameter()};
-  spec.ports = {reads("gyro_bias", "vector:3:rad/s").about("of the gyroscopes"),
-                reads("attitude", "attitude").optional().about("of the body; with the position, for the earth's rate"),
-                reads("position", "position").optional().about("of the body; with the attitude, for the earth's rate")};
+  spec.ports = {
+      reads("gyro_bias", "vector:3:rad/s").about("bias of the gyroscopes"),
+      reads("attitude", "attitude").optional().about("attitude of the body; with the position, for the earth rate"),
+      reads("position", "position").optional().about("position of the body; with the attitude, for the earth rate")};
   spec.fields = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "motion.standing", "blocks": {"gyro_bias": "gyro_bias", "attitude": "attitude",
     "position": "position"}, "sigma": "0.005 deg/s"})json";

@@ -7,15 +7,15 @@ namespace binnacle::land {
 ComponentSpec Zupt::spec() {
   ComponentSpec spec;
   spec.type = "zupt";
-  spec.summary = "Zero-velocity update: at each sample of its channel the vehicle stands.";
+  spec.summary = "Zero-velocity update: at each sample of its channel the vehicle stands still.";
   spec.source = "paper 001, equation (10)";
   spec.parameters = {parameter::vector("sigma", "m/s", 3)
                          .above(0)
                          .plausible(1e-4, 10)
                          .required()
-                         .about("standard deviation of the velocity of standing, north, east, down"),
+                         .about("standard deviation of the velocity of the standing vehicle, north, east, down"),
                      Spacing::parameter()};
-  spec.ports = {reads("velocity", "velocity.ned").about("that is zero")};
+  spec.ports = {reads("velocity", "velocity.ned").about("velocity that is zero")};
   spec.example = R"json({"channel": "motion.standing", "blocks": {"velocity": "velocity"}, "sigma": "0.02 m/s"})json";
   return spec;
 }

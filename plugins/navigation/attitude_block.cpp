@@ -21,7 +21,7 @@ ComponentSpec AttitudeBlock::spec() {
                          .defaults("0")
                          .at_least(-2.0 * std::numbers::pi)
                          .at_most(2.0 * std::numbers::pi)
-                         .about("roll, pitch, yaw of the body in the axes whose attitude is read and written")};
+                         .about("roll, pitch and yaw of the body in the axes of the values that are read and written")};
   spec.example = R"json({"init": {"roll": "0.2 deg", "pitch": 0, "yaw": "90 deg"},
     "sigma": ["0.5 deg", "0.5 deg", "5 deg"]})json";
   return spec;

@@ -29,7 +29,7 @@ PositionBlock::PositionBlock(const Binding& /*binding*/) {
   declaration_.error = {{"north", "m"}, {"east", "m"}, {"down", "m"}};
   declaration_.outputs = {{"lat", "rad", "deg", false, false, "geodetic latitude"},
                           {"lon", "rad", "deg", true, false, "longitude, east positive"},
-                          {"height", "m", "", false, false, "above the ellipsoid"}};
+                          {"height", "m", "", false, false, "height above the ellipsoid"}};
   // The height on its own, by its magnitude: of which papers give the mean.
   declaration_.norms = {{"horizontal", {0, 1}}, {"height", {2}}};
 }

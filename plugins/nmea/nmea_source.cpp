@@ -67,16 +67,16 @@ ComponentSpec NmeaSource::spec() {
       "PASHR";
   spec.source = "NMEA 0183 version 4.11; IEC 61162-1";
   spec.parameters = {
-      path("path").about("a file of sentences that is whole, plain or gzipped; or 'from'"),
-      list("talkers", text("talker")).about("the first two letters of the sentences that are taken; default: all"),
+      path("path").about("complete file of sentences, plain or gzipped; alternative to 'from'"),
+      list("talkers", text("talker")).about("first two letters of the sentences to be read; default: all"),
       text("ends_with")
-          .about(
-              "the sentence that a receiver sends last for an instant, \"RMC\" or \"GPRMC\"; default: as the last two "
-              "instants ended"),
-      text("date").about("day of the first sentence, \"2026-11-23\", where none says it (RMC and ZDA do)"),
-      number("geoid_separation", "m").about("height of the geoid above the ellipsoid, for GGA that have none"),
+          .about("last sentence of an instant, for example \"RMC\" or \"GPRMC\"; default: found from the last two "
+                 "instants"),
+      text("date").about(
+          "date of the first sentence, for example \"2026-11-23\", if no sentence gives it (RMC and ZDA do)"),
+      number("geoid_separation", "m").about("height of the geoid above the ellipsoid, for GGA without it"),
       boolean("gst").defaults("false").about(
-          "the channel has position_sd_n, position_sd_e and position_sd_d, from GST")};
+          "true: the channel has position_sd_n, position_sd_e and position_sd_d, from GST")};
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.example = R"json({"path": "log.nmea", "week": 2185})json";
@@ -95,12 +95,13 @@ NmeaSource::NmeaSource(const Binding& binding)
   if (p.has("ends_with")) {
     options_.ends_with = p.text("ends_with");
     if (options_.ends_with.size() != 3 && options_.ends_with.size() != 5)
-      throw ComponentError("'" + options_.ends_with + "' is no sentence; expected \"RMC\" or \"GPRMC\"", "/ends_with");
+      throw ComponentError("'" + options_.ends_with + "' is not a sentence; expected \"RMC\" or \"GPRMC\"",
+                           "/ends_with");
   }
   if (p.has("geoid_separation")) options_.geoid_separation = p.number("geoid_separation");
   if (p.has("date")) {
     options_.date = parse_day(p.text("date"));
-    if (!options_.date) throw ComponentError("'" + p.text("date") + "' is no day; expected \"2026-11-23\"", "/date");
+    if (!options_.date) throw ComponentError("'" + p.text("date") + "' is not a day; expected \"2026-11-23\"", "/date");
   }
   declare_channels(has_sigmas_);
   declaration_.live = line_input::is_live(p);
@@ -113,8 +114,9 @@ NmeaSource::NmeaSource(const Binding& binding)
 void NmeaSource::declare_channels(bool has_sigmas) {
   using field::level;
   ChannelDeclaration fix, heading("heading");
-  position_ = fix.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                          level("height", "m").about("above the ellipsoid"));
+  position_ =
+      fix.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("longitude, east positive"),
+                  level("height", "m").about("height above the ellipsoid"));
   velocity_ = fix.carries(level("vn", "m/s").about("velocity over ground, north"), level("ve", "m/s").about("east"),
                           level("speed", "m/s").about("over ground"), level("course", "rad").about("over ground"));
   quality_ =

@@ -26,22 +26,21 @@ std::vector<std::string> quality_names() {
 std::vector<ParameterSpec> parameters() {
   using namespace parameter;
   auto specs = text_output::TextOutput::parameters();
+  specs.push_back(list("sentences", choice("sentence", {type_names.begin(), type_names.end()}))
+                      .about("sentences of each sample, in this order; default: those of GGA, RMC, VTG, HDT for which "
+                             "the channel has the fields"));
   specs.push_back(
-      list("sentences", choice("sentence", {type_names.begin(), type_names.end()}))
-          .about("in this order for each sample; default: of GGA, RMC, VTG, HDT those whose fields there are"));
-  specs.push_back(text("talker").defaults("\"GP\"").about("the first two letters of each sentence: GP, GN, IN …"));
+      text("talker").defaults("\"GP\"").about("first two letters of each sentence, for example GP, GN, IN"));
   specs.push_back(choice("quality", quality_names())
                       .defaults("\"estimated\"")
-                      .about("what GGA (6 for estimated), RMC and VTG (E) say of a valid position"));
+                      .about("quality of a valid position in GGA (6 for estimated), RMC and VTG (E)"));
   specs.push_back(number("max_sigma", "m")
                       .above(0)
-                      .about("with a larger horizontal 1-sigma, sqrt(north^2 + east^2) of the channel's covariance, "
-                             "the position is not valid; "
-                             "default: every finite one is"));
-  specs.push_back(
-      number("geoid_separation", "m")
-          .about("height of the geoid above the ellipsoid: GGA gives heights above the sea. Without it GGA has "
-                 "no height"));
+                      .about("largest horizontal 1-sigma, sqrt(north^2 + east^2) of the channel's covariance, of a "
+                             "valid position; default: every finite position is valid"));
+  specs.push_back(number("geoid_separation", "m")
+                      .about("height of the geoid above the ellipsoid, for heights above sea level in GGA; without it "
+                             "GGA has no height"));
   for (ParameterSpec& spec : civil_time::UtcClock::parameters()) specs.push_back(std::move(spec));
   return specs;
 }
@@ -55,13 +54,14 @@ ComponentSpec NmeaWriter::spec() {
   spec.summary = "position, velocity and heading as sentences of NMEA 0183: GGA, RMC, VTG, HDT";
   spec.source = "NMEA 0183 version 4.11; IEC 61162-1";
   spec.parameters = parameters();
-  spec.inputs = {input("input", {level("lat", "rad").optional().about("geodetic latitude, WGS-84"),
-                                 level("lon", "rad").optional().about("longitude, east positive"),
-                                 level("height", "m").optional().about("above the ellipsoid"),
-                                 level("vn", "m/s").optional().about("velocity over ground, north"),
-                                 level("ve", "m/s").optional().about("velocity over ground, east"),
-                                 level("yaw", "rad").optional().about("heading, from true north to east")})
-                     .about("what is written; \"fields\": {\"lat\": \"position.lat\", …} maps a filter's estimates")};
+  spec.inputs = {
+      input("input", {level("lat", "rad").optional().about("geodetic latitude, WGS-84"),
+                      level("lon", "rad").optional().about("longitude, east positive"),
+                      level("height", "m").optional().about("height above the ellipsoid"),
+                      level("vn", "m/s").optional().about("velocity over ground, north"),
+                      level("ve", "m/s").optional().about("velocity over ground, east"),
+                      level("yaw", "rad").optional().about("heading, clockwise from true north")})
+          .about("channel to be written; for a filter's estimates use \"fields\": {\"lat\": \"position.lat\", …}")};
   spec.example = R"json({"input": "ins", "to": "tcp://:10110", "epoch": "2026-11-23T12:00:00Z",
     "geoid_separation": "47.5 m",
     "fields": {"lat": "position.lat", "lon": "position.lon", "height": "position.height",
@@ -78,23 +78,22 @@ NmeaWriter::NmeaWriter(const Binding& binding)
   const Parameters& p = binding.parameters();
   if (!p.has("week") && !p.has("epoch"))
     throw ComponentError(
-        "sentences carry UTC: give 'week', the GPS week at whose begin time is zero (0: seconds since 1980-01-06), or "
-        "'epoch', "
-        "the instant of UTC at which it is");
+        "sentences carry UTC: give 'week', the GPS week at whose start time is zero (0: seconds since 1980-01-06), or "
+        "'epoch', the instant of UTC at which it is");
   read_report(p);
   max_sigma_ = p.has("max_sigma") ? p.number("max_sigma") : std::numeric_limits<double>::infinity();
   choose_sentences(binding);
   if (p.has("max_sigma")) find_sigma(binding);
   const bool has_gga = std::find(types_.begin(), types_.end(), Type::gga) != types_.end();
   if (has_gga && position_[2].is_bound() && !p.has("geoid_separation"))
-    binding.note("GGA has no height: it is one above the sea, and there is no 'geoid_separation'");
+    binding.note("GGA has no height: it needs the height above sea level, but 'geoid_separation' is missing");
   text_.reserve(types_.size() * 128);
 }
 
 void NmeaWriter::read_report(const Parameters& p) {
   const std::string& talker = p.text("talker");
   if (talker.size() != 2 || !std::all_of(talker.begin(), talker.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-    throw ComponentError("'" + talker + "' is no talker: two capital letters are, like GP, GN or IN", "/talker");
+    throw ComponentError("'" + talker + "' is not a talker: two capital letters are, like GP, GN or IN", "/talker");
   const auto quality =
       std::find_if(qualities.begin(), qualities.end(), [&](const auto& q) { return q.name == p.text("quality"); });
   report_.emplace(talker, *quality, p.has("geoid_separation") ? p.number("geoid_separation") : nan);

@@ -23,28 +23,25 @@ std::vector<ParameterSpec> noise_parameters() {
               .at_least(0)
               .plausible(1e-5, 100)
               .required()
-              .about("white noise of the speed: sigma of the way along after a time t is speed_noise sqrt(t)"),
+              .about("white noise of the speed: the along-track sigma after the time t is speed_noise sqrt(t)"),
           number("yaw_rate_noise", "rad/sqrt(s)")
               .at_least(0)
               .plausible(1e-7, 1)
               .required()
-              .about("white noise of the yaw rate: sigma of the heading after a time t is yaw_rate_noise sqrt(t)"),
+              .about("white noise of the yaw rate: the heading sigma after the time t is yaw_rate_noise sqrt(t)"),
           number("distance_noise", "m/sqrt(m)")
               .at_least(0)
               .defaults("0")
-              .about("the same, of the way along, by the distance driven: wheels that slip"),
-          number("turn_noise", "rad/sqrt(rad)")
-              .at_least(0)
-              .defaults("0")
-              .about("the same, of the heading, by the angle turned"),
+              .about("along-track random walk by distance driven, from wheel slip"),
+          number("turn_noise", "rad/sqrt(rad)").at_least(0).defaults("0").about("heading random walk by angle turned"),
           number("side_noise", "m/sqrt(m)")
               .at_least(0)
               .defaults("0")
-              .about("the same, of the way across, by the distance driven: the vehicle slips sideways"),
+              .about("cross-track random walk by distance driven, from sideways slip"),
           number("height_noise", "m/sqrt(m)")
               .at_least(0)
               .required()
-              .about("the same, of the height, by the distance driven: roads climb")};
+              .about("height random walk by distance driven, from the slope of the road")};
 }
 
 }  // namespace
@@ -53,7 +50,7 @@ ComponentSpec PlanarOdometry::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "planar_odometry";
-  spec.summary = "Position and heading of a vehicle on the ground, driven by its speed and yaw rate: no IMU.";
+  spec.summary = "Position and heading of a ground vehicle, propagated by its speed and yaw rate, without an IMU.";
   spec.source =
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 6.4; "
       "Thrun, "
@@ -61,32 +58,38 @@ ComponentSpec PlanarOdometry::spec() {
   spec.parameters = noise_parameters();
   spec.parameters.push_back(choice("positive_turn", {"clockwise", "anticlockwise"})
                                 .defaults("\"clockwise\"")
-                                .about("which way a positive yaw rate turns, seen from above"));
+                                .about("direction of a positive yaw rate, seen from above"));
   spec.parameters.push_back(
       boolean("earth_rate")
           .defaults("true")
-          .about("the yaw rate is a gyroscope's, and has the earth's in it; false: it is made of wheel speeds"));
+          .about("true: the yaw rate is from a gyroscope and contains the earth rate; false: it is from wheel speeds"));
+  spec.parameters.push_back(number("track", "m")
+                                .above(0)
+                                .plausible(1e-3, 100)
+                                .about("distance between the left and the right wheel; with it the wheel speeds are "
+                                       "the input, instead of speed and yaw rate"));
   spec.parameters.push_back(
-      number("track", "m")
-          .above(0)
-          .plausible(1e-3, 100)
-          .about("from the left to the right wheel: their speeds are the input, and not speed and yaw rate"));
-  spec.parameters.push_back(
-      object(
-          "bridge",
-          {number("acceleration", "m/s^2").at_least(0).defaults("1").about("how fast the speed may change meanwhile"),
-           number("rate", "rad/s").at_least(0).defaults("\"5 deg/s\"").about("yaw rate, 1-sigma")})
+      object("bridge",
+             {number("acceleration", "m/s^2").at_least(0).defaults("1").about("acceleration during the hole, 1-sigma"),
+              number("rate", "rad/s").at_least(0).defaults("\"5 deg/s\"").about("yaw rate during the hole, 1-sigma")})
           .defaults("{}")
-          .about("noise of a step that bridges a hole"));
-  spec.ports = {advances("ecef_position", "position.ecef").optional().about("this or position"),
-                advances("position", "position").optional().about("geodetic; this or ecef_position"),
-                advances("heading", "heading").about("of the vehicle: where it rolls to"),
-                reads("scale", "vector:1:1").optional().about("s: a wheel sensor gives (1 + s) times the speed"),
-                reads("yaw_rate_bias", "vector:1:rad/s").optional().about("of the yaw rate, clockwise positive")};
-  spec.fields = {field::rate("speed", "m/s").optional().about("forward positive"),
-                 field::rate("yaw_rate", "rad/s").optional().about("of the vehicle; its sign: positive_turn"),
-                 field::rate("left_speed", "m/s").optional().about("of the left wheel, instead of speed and yaw rate"),
-                 field::rate("right_speed", "m/s").optional().about("of the right wheel")};
+          .about("additional noise of a step that bridges a hole in the input"));
+  spec.ports = {advances("ecef_position", "position.ecef")
+                    .optional()
+                    .about("ECEF position of the vehicle; alternative to position"),
+                advances("position", "position")
+                    .optional()
+                    .about("geodetic position of the vehicle; alternative to ecef_position"),
+                advances("heading", "heading").about("heading of the vehicle: the direction in which it rolls"),
+                reads("scale", "vector:1:1")
+                    .optional()
+                    .about("scale factor error s: a wheel sensor reports (1 + s) times the speed"),
+                reads("yaw_rate_bias", "vector:1:rad/s").optional().about("bias of the yaw rate, clockwise positive")};
+  spec.fields = {
+      field::rate("speed", "m/s").optional().about("speed of the vehicle, forward positive"),
+      field::rate("yaw_rate", "rad/s").optional().about("yaw rate of the vehicle; sign as in 'positive_turn'"),
+      field::rate("left_speed", "m/s").optional().about("speed of the left wheel, instead of speed and yaw rate"),
+      field::rate("right_speed", "m/s").optional().about("speed of the right wheel")};
   spec.example = R"json({"input": "car", "blocks": {"position": "position", "heading": "heading", "scale": "scale",
     "yaw_rate_bias": "bias"}, "speed_noise": "0.1 m/sqrt(s)", "yaw_rate_noise": "0.1 deg/sqrt(s)",
     "height_noise": "0.1 m/sqrt(m)", "distance_noise": "0.05 m/sqrt(m)"})json";
@@ -253,7 +256,7 @@ Eigen::Matrix4d PlanarOdometry::noise(const Parts& parts, const InputSample& sam
 Result PlanarOdometry::propagate(const ProcessInput& in, ProcessOutput& out) const {
   Pose pose{in.x[position_].as<3>(), in.x[heading_][0]};
   const double scale = scale_.is_bound() ? in.x[scale_][0] : 0.0, bias = bias_.is_bound() ? in.x[bias_][0] : 0.0;
-  if (!(scale > -0.9)) return Result::failed("the scale of the speed makes nothing of it");
+  if (!(scale > -0.9)) return Result::failed("the scale factor error of the speed is -0.9 or less");
   Jacobian J = Jacobian::Zero();
   J.topLeftCorner<4, 4>().setIdentity();
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();

@@ -36,11 +36,10 @@ ComponentSpec PsiErrorProcess::spec() {
       "paper 000, equation (1); Goshen-Meskin, Bar-Itzhack, A Unified Approach to Inertial Navigation System "
       "Error Modeling, AIAA-90-3367-CP, 1990";
   describe(spec);
-  spec.parameters.push_back(
-      parameter::choice("axes", {"true", "computed"})
-          .defaults("\"true\"")
-          .about(
-              "of the errors: as the blocks declare them, or those at the computed position (position frozen only)"));
+  spec.parameters.push_back(parameter::choice("axes", {"true", "computed"})
+                                .defaults("\"true\"")
+                                .about("axes of the errors: those of the blocks, or those at the computed position "
+                                       "(only with a frozen position)"));
   spec.example = R"json({"input": "imu", "blocks": {"position": "position", "velocity": "velocity",
     "attitude": "attitude", "gyro_bias": "gyro_bias", "accel_bias": "accel_bias"},
     "gyro_noise": "0.05 deg/sqrt(h)", "accel_noise": "450 ug/sqrt(Hz)"})json";

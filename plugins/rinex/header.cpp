@@ -14,7 +14,7 @@ Version read_version(text_file::LineReader& reader, const std::string& path, Fil
   if (!reader.next(line)) throw ComponentError::in_data("the file is empty", path, 0, "B066");
   const auto version = number(columns(line, 0, 9));
   if (label(line) != "RINEX VERSION / TYPE" || !version)
-    throw ComponentError::in_data("is no RINEX file: the first line is not that of a version", path, 1, "B062");
+    throw ComponentError::in_data("is not a RINEX file: the first line is not that of a version", path, 1, "B062");
   if (!(*version >= 2 && *version < 4))
     throw ComponentError::in_data("RINEX version " + std::string(trimmed(columns(line, 0, 9))) +
                                       " cannot be read; 2.x and 3.x can",

@@ -155,7 +155,7 @@ class NavigationReader {
       const char system = first.front();
       if (system == 'R' && !is_old && ++glonass_ == 1) first_glonass_ = line;
       if (is_old || std::string_view("RSJI").find(system) == std::string_view::npos)
-        faults_.add("B062", line, "message", "'" + first.substr(0, is_old ? 2 : 3) + "' is no satellite");
+        faults_.add("B062", line, "message", "'" + first.substr(0, is_old ? 2 : 3) + "' is not a satellite");
       return;
     }
     const std::string name = gnss::satellite_name(*satellite);
@@ -200,7 +200,7 @@ class NavigationReader {
   void take_message(const Record& record, const std::string& name) {
     const auto refuse = [&](const std::string& why) { faults_.add("B062", record.line, "message", name + ": " + why); };
     for (const auto& value : record.clock)
-      if (!value) return refuse("a coefficient of the clock is no number");
+      if (!value) return refuse("a coefficient of the clock is not a number");
     for (const Orbit needed : {iode,   crs, delta_n, m0,  cuc,     eccentricity, cus,   sqrt_a, toe,    cic,
                                omega0, cis, i0,      crc, perigee, omega_dot,    i_dot, week,   health, group_delay})
       if (!record.orbit[needed])
@@ -235,7 +235,7 @@ class NavigationReader {
         is_galileo && !is_of_E5a ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
     e.accuracy = std::max(0.0, record.orbit[accuracy].value_or(0));
     e.issue = value(iode);
-    if (!gnss::is_usable(e)) return refuse("the orbit or clock is none of a satellite");
+    if (!gnss::is_usable(e)) return refuse("the orbit or clock is not plausible for a satellite");
     if (std::abs(e.toe - e.toc) > 86400) return refuse("toe and toc are more than a day apart");
     message.toe = nanoseconds(e.toe);
     // Galileo: validity and health of E1-B, bits 0 to 2; F/NAV knows those of E5a alone, bits 3 to 5.

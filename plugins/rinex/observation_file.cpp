@@ -144,7 +144,7 @@ class ObservationReader {
     if (is_old() && old_count_ != static_cast<int>(old_types_.size()))
       faults_.add("B062", line(), "header line", "the number of observation types is not that of the types listed");
     if (!has_pseudoranges)
-      throw ComponentError::in_data("holds no pseudoranges of the signals that are asked for", path_, line(), "B066");
+      throw ComponentError::in_data("contains no pseudoranges of the requested signals", path_, line(), "B066");
   }
 
   void read_epochs() {
@@ -181,7 +181,7 @@ class ObservationReader {
     const std::string head(line_);
     const int head_line = line();
     if (!looks_like_epoch()) {
-      faults_.add("B062", head_line, "line", "'" + head.substr(0, 30) + "' is no epoch");
+      faults_.add("B062", head_line, "line", "'" + head.substr(0, 30) + "' is not an epoch");
       must_advance_ = true;
       return false;
     }
@@ -199,7 +199,7 @@ class ObservationReader {
                             : gps_time(columns(head, 2, 4), columns(head, 6, 3), columns(head, 9, 3),
                                        columns(head, 12, 3), columns(head, 15, 3), columns(head, 18, 11), origin_week_);
     if (!t) {
-      faults_.add("B062", head_line, "epoch", "'" + head.substr(0, 29) + "' is no time");
+      faults_.add("B062", head_line, "epoch", "'" + head.substr(0, 29) + "' is not a time");
       must_advance_ = true;
       return false;
     }
@@ -278,7 +278,7 @@ class ObservationReader {
       // GLONASS is counted; SBAS, QZSS, NavIC are passed over.
       if (!name.empty() && name.front() == 'R' && ++glonass_ == 1) first_glonass_ = line();
       if (name.empty() || std::string_view("RSJI").find(name.front()) == std::string_view::npos)
-        faults_.add("B062", line(), "observation", "'" + name + "' is no satellite");
+        faults_.add("B062", line(), "observation", "'" + name + "' is not a satellite");
       return;
     }
     const Places& places = places_[static_cast<std::size_t>(gnss::constellation_of(*satellite))];
@@ -294,7 +294,7 @@ class ObservationReader {
     if (std::isnan(observation.pseudorange)) return;
     for (const auto& other : epoch.satellites)
       if (other.satellite == *satellite)
-        return faults_.add("B062", line(), "observation", name + " stands in its epoch twice");
+        return faults_.add("B062", line(), "observation", name + " appears in its epoch twice");
     const double wavelength = gnss::speed_of_light / gnss::carrier_frequency(*satellite);
     observation.range_rate = -wavelength * doppler;  // a satellite that comes nearer has a positive Doppler shift
     observation.phase *= wavelength;

@@ -14,18 +14,18 @@ ComponentSpec RinexSource::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "rinex";
-  spec.summary = "recorded GNSS observations and broadcast messages, RINEX 2 and 3, plain or gzipped";
+  spec.summary = "recorded GNSS observations and broadcast messages in RINEX 2 and 3, plain or gzipped";
   spec.source = "RINEX 2.11 (2007), RINEX 3.04 (2018); IS-GPS-200; Galileo OS SIS ICD; BDS-SIS-ICD-B1I-3.0";
   spec.parameters = {
-      path("observations").about("file of observations; without it only messages are emitted"),
-      path("navigation").about("file of broadcast messages"),
+      path("observations").about("observation file; without it only messages are emitted"),
+      path("navigation").about("navigation message file"),
       gnss::Signals::parameter(),
       integer("week").at_least(0).at_most(9999).defaults("0").about(
-          "GPS week at whose begin time is zero; 0: seconds since 1980-01-06"),
-      list("window", time("time")).about("[from, to]: only epochs inside are emitted"),
+          "GPS week at whose start time is zero; 0: seconds since 1980-01-06"),
+      list("window", time("time")).about("[from, to]; only epochs inside are emitted"),
       choice("invalid_records", {"skip", "error"})
           .defaults("\"skip\"")
-          .about("skip: leave out what cannot be read and report it; error: stop at the first"),
+          .about("skip: skip and report records that cannot be read; error: stop at the first one"),
   };
   const auto rules = gnss::ChoiceRules::parameters();
   spec.parameters.insert(std::next(spec.parameters.begin(), 3), rules.begin(), rules.end());
@@ -69,7 +69,7 @@ void RinexSource::open(Reporter& reporter) {
     navigation_ = read_navigation(navigation_path_, origin_week_, of_navigation);
     std::erase_if(navigation_.messages, [this](const Message& m) { return !signals_.takes(m.ephemeris.satellite); });
     if (navigation_.messages.empty())
-      of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
+      of_navigation.note("B066", 0, "contains no broadcast message of the requested signals");
   }
   if (!observation_path_.empty()) {
     epochs_ = read_observations(observation_path_, origin_week_, signals_, of_observations);

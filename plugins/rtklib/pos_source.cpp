@@ -28,21 +28,23 @@ ComponentSpec PosSource::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "rtklib_pos";
-  spec.summary = "positions and velocities from solution files of RTKLIB (.pos), in any of their forms";
+  spec.summary = "positions and velocities from solution files of RTKLIB (.pos), in any format";
   spec.source = "RTKLIB ver. 2.4.2 manual, appendix B.1";
-  spec.parameters = {
-      path("path").about("a solution file that is whole, plain or gzipped; or 'from'"),
-      choice("coordinates", {"degrees", "dms", "ecef", "baseline"})
-          .about("of a file without a header: latitude, longitude, height in degrees, or in degrees, minutes and "
-                 "seconds; x, y, z; east, north, up from the base station"),
-      choice("time_system", {"gpst", "utc", "jst"}).about("of a file without a header"),
-      boolean("velocity").defaults("false").about("a file without a header, or live input, has columns of velocity"),
-      object("reference", {parameter::number("lat", "rad").required().about("geodetic latitude"),
-                           parameter::number("lon", "rad").required().about("east positive"),
-                           parameter::number("height", "m").required().about("above the ellipsoid")})
-          .about("the base station, where the header of a file of baselines does not state it"),
-      parameter::number("geoid_separation", "m")
-          .about("height of the geoid above the ellipsoid, for heights above the sea")};
+  spec.parameters = {path("path").about("complete solution file, plain or gzipped; alternative to 'from'"),
+                     choice("coordinates", {"degrees", "dms", "ecef", "baseline"})
+                         .about("coordinates of a file without a header: latitude, longitude, height in degrees, or in "
+                                "degrees, minutes and seconds; x, y, z; or east, north, up from the base station"),
+                     choice("time_system", {"gpst", "utc", "jst"}).about("time scale of a file without a header"),
+                     boolean("velocity")
+                         .defaults("false")
+                         .about("whether a file without a header, or live input, has velocity columns"),
+                     object("reference",
+                            {parameter::number("lat", "rad").required().about("geodetic latitude"),
+                             parameter::number("lon", "rad").required().about("longitude, east positive"),
+                             parameter::number("height", "m").required().about("height above the ellipsoid")})
+                         .about("position of the base station, if the header of a file of baselines does not give it"),
+                     parameter::number("geoid_separation", "m")
+                         .about("height of the geoid above the ellipsoid, for heights above sea level")};
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.example = R"json({"path": "track.pos", "week": 2381})json";
@@ -98,8 +100,8 @@ void PosSource::peek() {
         if (!header.layout() && !stated_)
           throw ComponentError::in_data(line.starts_with('$')
                                             ? "holds sentences of NMEA: the source 'nmea' reads them"
-                                            : "no header says what the columns are: is it a solution file? Without "
-                                              "one, 'coordinates' and 'time_system' say it",
+                                            : "no header gives the columns: is it a solution file? Without a header, "
+                                              "give 'coordinates' and 'time_system'",
                                         path_, reader.line(), "B062");
         break;
       }
@@ -118,9 +120,9 @@ void PosSource::declare_channel() {
   has_relative_ = layout_.coordinates == Coordinates::baseline;
   has_position_ = !has_relative_ || place_.reference || layout_.reference;
   if (has_position_)
-    position_ =
-        channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                        level("height", "m").about("above the ellipsoid"));
+    position_ = channel.carries(level("lat", "rad").about("geodetic latitude"),
+                                level("lon", "rad").about("longitude, east positive"),
+                                level("height", "m").about("height above the ellipsoid"));
   if (has_relative_)
     relative_ = channel.carries(level("relative_n", "m").about("from the base station, north"),
                                 level("relative_e", "m"), level("relative_d", "m"));
@@ -147,7 +149,7 @@ void PosSource::declare_channel() {
 
 const Layout& PosSource::layout_for(const Header& header) const {
   if (!header.layout()) {
-    if (!stated_) throw BadLine{"no header has said what the columns are; 'coordinates' and 'time_system' do"};
+    if (!stated_) throw BadLine{"no header has given the columns; give 'coordinates' and 'time_system'"};
     return *stated_;
   }
   const Layout& layout = *header.layout();
@@ -209,14 +211,14 @@ void PosSource::read_file(text_file::Faults& faults, Reporter& reporter) {
                    "out of order: " + time_text(row.solution.t) + " beside " + time_text(other.solution.t));
       });
   if (none > 0)
-    reporter.warn("B065", path_, 0, std::to_string(none) + " lines with Q = 0 are no solutions, and were left out");
+    reporter.warn("B065", path_, 0, std::to_string(none) + " lines with Q = 0 are not solutions and were left out");
   if (layout_.is_height_above_sea && std::isnan(place_.geoid_separation))
-    reporter.warn(
-        "B064", path_, 0,
-        "heights are above the sea, so there is none above the ellipsoid; 'geoid_separation' gives the difference");
+    reporter.warn("B064", path_, 0,
+                  "heights are above sea level, so there is no height above the ellipsoid; 'geoid_separation' gives "
+                  "the difference");
   if (!layout_.is_height_above_sea && !std::isnan(place_.geoid_separation))
     reporter.warn("B032", path_, 0,
-                  "'geoid_separation' has no effect: no header says that heights are above the sea (\"geodetic\"), so "
+                  "'geoid_separation' has no effect: no header declares heights above sea level (\"geodetic\"), so "
                   "they are read as above the ellipsoid");
 }
 
@@ -243,7 +245,7 @@ SourceStatus PosSource::next_of_live(SourceOutput& output) const {
       auto solution = take(line, live.header);
       if (!solution) continue;
       if (solution->quality == 0) {
-        live.lines.note("a line with Q = 0 is no solution, and was left out", "B065");
+        live.lines.note("a line with Q = 0 is not a solution and was left out", "B065");
         continue;
       }
       if (live.newest != no_time && solution->t <= live.newest) {

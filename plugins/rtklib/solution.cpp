@@ -18,7 +18,7 @@ constexpr double degree = std::numbers::pi / 180;
 
 double needed(std::string_view word) {
   const auto value = number(word);
-  if (!value) throw BadLine{"'" + std::string(word.substr(0, 30)) + "' is no number"};
+  if (!value) throw BadLine{"'" + std::string(word.substr(0, 30)) + "' is not a number"};
   return *value;
 }
 
@@ -28,11 +28,11 @@ Time time_of_seconds(std::string_view text) {
   std::int64_t whole = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + point, whole);
   if (error != std::errc() || rest != text.data() + point || whole < 0 || whole > 604800)
-    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is no time in seconds"};
+    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is not a time in seconds"};
   Time fraction = 0, place = nanoseconds_per_second / 10;
   for (std::size_t i = point + 1; i < text.size(); ++i, place /= 10) {
     if (text[i] < '0' || text[i] > '9')
-      throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is no time in seconds"};
+      throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is not a time in seconds"};
     fraction += (text[i] - '0') * place;
   }
   return whole * nanoseconds_per_second + fraction;
@@ -45,19 +45,19 @@ civil_time::Day day_of(std::string_view text) {
     if (c == '/') c = '-';
   const auto day = civil_time::parse_day(iso);
   if (!day || text.size() != 10 || text[4] != '/' || text[7] != '/')
-    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is no date"};
+    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is not a date"};
   return *day;
 }
 
 /// "17:30:40.000".
 Time time_of_day(std::string_view text) {
   if (text.size() < 8 || text[2] != ':' || text[5] != ':')
-    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is no time of day"};
+    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is not a time of day"};
   const Time h = time_of_seconds(text.substr(0, 2)), m = time_of_seconds(text.substr(3, 2)),
              s = time_of_seconds(text.substr(6));
   constexpr Time one = nanoseconds_per_second;
   if (h > 23 * one || m > 59 * one || s >= 61 * one)
-    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is no time of day"};
+    throw BadLine{"'" + std::string(text.substr(0, 30)) + "' is not a time of day"};
   return h * 3600 + m * 60 + s;
 }
 
@@ -118,7 +118,7 @@ void read_position(const Words& w, const Layout& layout, const Place& place, Sol
     const Vector3 v(needed(w[2]), needed(w[3]), needed(w[4]));
     at = 5;
     if (layout.coordinates == Coordinates::ecef) {
-      if (v.norm() < 6e6 || v.norm() > 5e7) throw BadLine{"the position is none near the earth"};
+      if (v.norm() < 6e6 || v.norm() > 5e7) throw BadLine{"the position is not near the earth"};
       s.lla = geodesy::lla_from_ecef(v);
       return;
     }

@@ -35,17 +35,17 @@ ComponentSpec gyro_spec(const char* type, const char* summary, const std::vector
 }  // namespace
 
 ComponentSpec VerticalGyro::spec() {
-  return gyro_spec("vertical_gyro", "Roll and pitch as a vertical gyro reads them: angle, drift, noise.",
-                   {"roll", "pitch"}, "rad");
+  return gyro_spec("vertical_gyro", "Roll and pitch from a vertical gyro: angle, drift, noise.", {"roll", "pitch"},
+                   "rad");
 }
 
 ComponentSpec DirectionalGyro::spec() {
-  return gyro_spec("directional_gyro", "Roll and yaw as a directional gyro reads them: angle, drift, noise.",
-                   {"roll", "yaw"}, "rad");
+  return gyro_spec("directional_gyro", "Roll and yaw from a directional gyro: angle, drift, noise.", {"roll", "yaw"},
+                   "rad");
 }
 
 ComponentSpec RateGyro::spec() {
-  return gyro_spec("rate_gyro", "Rates of the ship's angles as rate gyros read them: rate, drift, noise.",
+  return gyro_spec("rate_gyro", "Rates of the ship's angles from rate gyros: rate, drift, noise.",
                    {"roll_rate", "pitch_rate", "yaw_rate"}, "rad/s");
 }
 
@@ -66,7 +66,7 @@ Gyro::Gyro(const Binding& binding) {
     declaration_.reads(axis.x).reads(axis.error).group(rows::of(block.name, axis.x));
     axes_.push_back(axis);
   }
-  if (axes_.empty()) throw ComponentError("a gyro measures something: bind one of its axes", "/blocks");
+  if (axes_.empty()) throw ComponentError("bind at least one axis of the gyro", "/blocks");
   declaration_.rows(static_cast<int>(axes_.size()));
 }
 

@@ -20,7 +20,7 @@ ComponentSpec Motion::spec() {
                 advances("rate", "vector:1:*").about("its rate, in the unit of the angle per second"),
                 advances("forcing", "vector:1:*")
                     .optional()
-                    .about("order 4: what drives the angle, in its unit per second squared"),
+                    .about("order 4: forcing of the angle, in its unit per second squared"),
                 advances("forcing_rate", "vector:1:*").optional().about("order 4: rate of the forcing")};
   spec.example =
       R"json({"blocks": {"angle": "pitch", "rate": "pitch_rate"}, "omega": [1.98], "zeta": [0.2235], "sigma": "0.825 deg"})json";

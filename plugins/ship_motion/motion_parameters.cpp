@@ -16,43 +16,49 @@ namespace {
 using namespace parameter;
 
 ParameterSpec response_spec(const std::string& unit) {
-  return object("response",
-                {number("omega", "rad/s").above(0).required().about("natural frequency"),
-                 number("zeta", "1").above(0).required().about("damping ratio"),
-                 number("gain", unit + "/m").about("far below the natural frequency, for a wave of amplitude 1 m"),
-                 number("slope_gain", unit).about("the same for a wave of slope 1 rad: \"1 rad\" lies on the wave")});
+  return object(
+      "response",
+      {number("omega", "rad/s").above(0).required().about("natural frequency"),
+       number("zeta", "1").above(0).required().about("damping ratio"),
+       number("gain", unit + "/m").about("response far below the natural frequency, per wave amplitude of 1 m"),
+       number("slope_gain", unit)
+           .about("response far below the natural frequency, per wave slope of 1 rad; \"1 rad\" follows the wave "
+                  "surface")});
 }
 
 ParameterSpec sea_spec(const std::string& unit) {
   return object(
       "sea",
-      {number("significant_height", "m").above(0).required().about("4 √m₀ of the waves"),
-       number("peak_period", "s").above(0).required().about("of the waves, as a fixed point sees them"),
+      {number("significant_height", "m").above(0).required().about("significant height of the waves, 4 √m₀"),
+       number("peak_period", "s").above(0).required().about("peak period of the waves at a fixed point"),
        number("gamma", "1")
            .at_least(1)
            .at_most(10)
            .defaults("1")
            .about("peak enhancement: 1 Bretschneider, 3.3 JONSWAP"),
-       number("speed", "m/s").at_least(0).defaults("0").about("of the ship"),
+       number("speed", "m/s").at_least(0).defaults("0").about("speed of the ship"),
        number("heading", "rad")
            .defaults("\"180 deg\"")
-           .about("between the ship's way and the waves': 180 deg meets them"),
+           .about("angle between the directions of the ship and of the waves; 180 deg: head sea"),
        object("rao",
-              {vector("omega", "rad/s").required().about("frequencies of the wave, rising"),
-               vector("gain", unit + "/m").required().about("amplitude of the motion for a wave of amplitude 1 m")})
-           .about("response amplitude operator as a table, for this speed and heading; zero outside"),
-       response_spec(unit).about("or as a resonance, by frequency of encounter")});
+              {vector("omega", "rad/s").required().about("wave frequencies in increasing order"),
+               vector("gain", unit + "/m").required().about("amplitude of the motion per wave amplitude of 1 m")})
+           .about("response amplitude operator as a table, for this speed and heading; zero outside the table"),
+       response_spec(unit).about("response as a resonance over the frequency of encounter; alternative to the table")});
 }
 
 ParameterSpec fit_spec(const std::string& unit) {
   auto record = RecordPlace::parameters();
-  record.push_back(parameter::time("segment").above(0).about("of Welch's method; default: a tenth of the record"));
-  return object("fit", {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
-                        object("spectrum", {vector("omega", "rad/s").required().about("frequencies, rising"),
-                                            vector("density", unit + "^2*s").required().about("one-sided, over rad/s")})
-                            .about("a table of the motion's spectrum"),
-                        sea_spec(unit).about("a Bretschneider or JONSWAP sea and the ship's response to it"),
-                        object("record", std::move(record)).about("a recorded motion; its mean is left out")});
+  record.push_back(
+      parameter::time("segment").above(0).about("segment length of Welch's method; default: a tenth of the record"));
+  return object(
+      "fit", {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
+              object("spectrum",
+                     {vector("omega", "rad/s").required().about("frequencies in increasing order"),
+                      vector("density", unit + "^2*s").required().about("one-sided power spectral density over rad/s")})
+                  .about("spectrum of the motion as a table"),
+              sea_spec(unit).about("a Bretschneider or JONSWAP sea spectrum and the ship's response"),
+              object("record", std::move(record)).about("a recorded motion; its mean is removed")});
 }
 
 void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, const std::string& pointer) {
@@ -60,7 +66,7 @@ void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, co
   if (omega.size() < 3) throw ComponentError("three frequencies at least", pointer);
   for (Eigen::Index i = 0; i < omega.size(); ++i)
     if (omega[i] < 0 || (i > 0 && omega[i] <= omega[i - 1]))
-      throw ComponentError("frequencies rise from 0 on", pointer + "/omega");
+      throw ComponentError("frequencies increase from 0", pointer + "/omega");
   if (values.minCoeff() < 0 || !(values.maxCoeff() > 0))
     throw ComponentError("values are not negative, and not all zero", pointer);
 }
@@ -68,7 +74,7 @@ void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, co
 Response read_response(const Parameters& sea) {
   const char* const pointer = "/fit/sea";
   if (sea.has("rao") == sea.has("response"))
-    throw ComponentError("how the ship responds is either a table, 'rao', or a resonance, 'response'", pointer);
+    throw ComponentError("the response of the ship is either a table, 'rao', or a resonance, 'response'", pointer);
   if (sea.has("rao")) {
     const Parameters table = sea.object("rao");
     const Eigen::VectorXd omega = table.vector("omega"), gain = table.vector("gain");
@@ -108,7 +114,7 @@ ShapingFit fit_record(int order, const Parameters& fit_parameters, const std::st
                              " samples; it takes 16 or more, and the record has " +
                              std::to_string(record.values.size()),
                          "/fit/record");
-  if (!(record.values.squaredNorm() > 0)) throw ComponentError("nothing moves in the record", "/fit/record");
+  if (!(record.values.squaredNorm() > 0)) throw ComponentError("the record contains no motion", "/fit/record");
   return fit(order, record.values, Welch(length, record.interval));
 }
 
@@ -166,7 +172,7 @@ std::vector<ParameterSpec> motion_parameters(const std::string& unit) {
       vector("omega", "rad/s").above(0).about("natural frequency, a list; two for order 4"),
       vector("zeta", "1").above(0).about("damping ratio, one for each frequency"),
       number("sigma", unit).at_least(0).about("standard deviation of the angle in the steady state"),
-      fit_spec(unit).about("instead of these: what they are fitted to"),
+      fit_spec(unit).about("data to which frequencies, damping and sigma are fitted, instead of their values"),
   };
 }
 
@@ -174,7 +180,7 @@ ShapingFilter read_motion(const Binding& binding, const std::string& si_unit) {
   const Parameters& parameters = binding.parameters();
   if (!parameters.has("fit")) return read_filter(parameters);
   for (const char* name : {"omega", "zeta", "sigma"})
-    if (parameters.has(name)) throw ComponentError("what is fitted is not given as well", std::string("/") + name);
+    if (parameters.has(name)) throw ComponentError("a fitted value cannot be given as well", std::string("/") + name);
   const ShapingFit fit = read_fit(parameters.object("fit"), si_unit);
   report(binding, fit, si_unit);
   return fit.filter;

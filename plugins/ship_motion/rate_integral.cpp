@@ -6,16 +6,16 @@ namespace binnacle::ship_motion {
 ComponentSpec RateIntegral::spec() {
   ComponentSpec spec;
   spec.type = "rate_integral";
-  spec.summary = "An angle that a rate gyro moves, without a model of the ship: dtheta/dt = u - b - n.";
+  spec.summary = "An angle propagated by a rate gyro, without a model of the ship: dtheta/dt = u - b - n.";
   spec.source = "paper 004, section 2, filter C";
   spec.parameters = {parameter::number("noise", "@angle/sqrt(s)")
                          .at_least(0)
                          .required()
-                         .about("root of the power spectral density of the gyro's noise: per sample of T seconds, its "
-                                "sigma times sqrt(T)")};
-  spec.ports = {advances("angle", "vector:1:rad").about("roll, pitch or yaw"),
-                reads("drift", "vector:1:rad/s").optional().about("b, the gyro's drift")};
-  spec.fields = {field::rate("rate", "rad/s").about("the gyro's reading, mean over the interval")};
+                         .about("root of the power spectral density of the gyro's noise: the sigma of a sample over T "
+                                "seconds, times sqrt(T)")};
+  spec.ports = {advances("angle", "vector:1:rad").about("angle of the ship: roll, pitch or yaw"),
+                reads("drift", "vector:1:rad/s").optional().about("drift b of the gyro")};
+  spec.fields = {field::rate("rate", "rad/s").about("rate measured by the gyro, mean over the interval")};
   spec.example =
       R"json({"input": "rate_gyro", "blocks": {"angle": "pitch", "drift": "rate_drift"}, "noise": "0.5 deg/sqrt(s)"})json";
   spec.surroundings = R"json({"blocks": {"pitch": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.0144},

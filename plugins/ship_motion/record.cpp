@@ -69,7 +69,7 @@ double number(const std::vector<std::string_view>& cells, std::size_t column, co
   const std::string_view cell = column < cells.size() ? cells[column] : std::string_view();
   const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || rest != cell.data() + cell.size() || !std::isfinite(value))
-    throw ComponentError::in_data("'" + std::string(cell) + "' is no number", place.path, line, "B062");
+    throw ComponentError::in_data("'" + std::string(cell) + "' is not a number", place.path, line, "B062");
   return value;
 }
 
@@ -82,11 +82,11 @@ std::vector<std::string_view> header_of(Lines& lines, const std::string& path) {
 }  // namespace
 
 std::vector<ParameterSpec> RecordPlace::parameters() {
-  return {parameter::path("path").required().about("text with a header line and commas, plain or gzipped"),
+  return {parameter::path("path").required().about("comma-separated text file with a header line, plain or gzipped"),
           parameter::text("column").required().about("of the motion"),
-          parameter::number("unit", "*").required().about("of the column's numbers: \"deg\""),
+          parameter::number("unit", "*").required().about("unit of the column's numbers, for example \"deg\""),
           parameter::text("time").about("column of the time in seconds; default: the first"),
-          parameter::list("window", parameter::time("time")).about("[from, to]: only samples inside")};
+          parameter::list("window", parameter::time("time")).about("[from, to]: only samples inside are used")};
 }
 
 RecordPlace::RecordPlace(const Parameters& owner, const std::string& si_unit, const std::string& pointer) {

@@ -78,8 +78,7 @@ ShapingFit fit_seen(int order, const Spectrum& given, double variance,
   const double sigma = std::sqrt(variance), last = given.omega[given.omega.size() - 1];
   const double power = (given.density.array().square() * given.width.array()).sum();
   if (!std::isnormal(power) || !std::isnormal(variance) || !std::isfinite(given.moment(1)))
-    throw ComponentError("what is to be fitted is too small or too large for numbers: its power is out of their range",
-                         "/fit");
+    throw ComponentError("the motion to be fitted is too small or too large: its power is out of range", "/fit");
   const Cost cost = [&](const Eigen::VectorXd& x) {
     const ShapingFilter filter = filter_of(x, sigma);
     if (!is_sensible(filter, last)) return 1e6;
@@ -99,8 +98,7 @@ ShapingFit fit_seen(int order, const Spectrum& given, double variance,
         Vertex found = descended(cost, start);
         if (found.cost < best.cost) best = std::move(found);
       }
-  if (!std::isfinite(best.cost))
-    throw ComponentError("nothing fits: no beginning has a misfit that is a number", "/fit");
+  if (!std::isfinite(best.cost)) throw ComponentError("the fit failed: no initial value has a finite misfit", "/fit");
   best = descended(cost, best.x);
 
   ShapingFit result;

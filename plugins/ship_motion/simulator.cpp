@@ -36,19 +36,20 @@ ComponentSpec Simulator::spec() {
   ComponentSpec spec;
   spec.type = "simulator";
   spec.summary =
-      "One angle of a ship in waves, by its shaping filter or as recorded, read by a gyro that drifts, and truth.";
+      "One angle of a ship in waves, from a shaping filter or a record: measurements of a drifting gyro, and truth.";
   spec.source =
       "paper 004, section 3; Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
   spec.parameters = motion_parameters("rad");
   for (auto& parameter : std::vector<ParameterSpec>{
-           object("record", RecordPlace::parameters()).about("instead of a motion: one as recorded, less its mean"),
-           number("noise", "rad").at_least(0).required().about("standard deviation of the reading's white noise"),
+           object("record", RecordPlace::parameters())
+               .about("recorded motion with its mean removed, instead of a simulated motion"),
+           number("noise", "rad").at_least(0).required().about("standard deviation of the measurement's white noise"),
            number("drift", "rad/s").at_least(0).defaults("0").about("standard deviation of the gyro's drift"),
            number("drift_tau", "s").above(0).defaults("3600").about("correlation time of the drift"),
            parameter::time("interval")
                .above(0)
-               .about("between samples, the first at time zero; default 1 s. Not of a record"),
-           parameter::time("duration").at_least(0).about("last sample; default 60 s. Not of a record"),
+               .about("time between samples, the first at time zero; default: 1 s; not for a record"),
+           parameter::time("duration").at_least(0).about("time of the last sample; default: 60 s; not for a record"),
        })
     spec.parameters.push_back(std::move(parameter));
   spec.example =
@@ -93,7 +94,7 @@ Simulator::Simulator(const Binding& binding) : noise_(binding.parameters().numbe
 void Simulator::declare_channels() {
   using field::level;
   ChannelDeclaration of_truth("truth"), of_gyro("gyro");
-  angle_ = of_truth.carries(level("angle", "rad").about("of the ship"));
+  angle_ = of_truth.carries(level("angle", "rad").about("speed of the ship"));
   if (!is_recorded()) rate_ = of_truth.carries(level("rate", "rad/s").about("of the angle"));
   error_ = of_truth.carries(level("error", "rad").about("what the drift has added to the reading"));
   drift_ = of_truth.carries(level("drift", "rad/s").about("of the gyro"));

@@ -59,9 +59,9 @@ std::vector<ParameterSpec> motion_members() {
       R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.1}]})",
       R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.08}]})",
       R"({"tones": [{"amplitude": "0.2 m", "frequency": 0.12}]})"};
-  constexpr std::array<const char*, freedoms> texts = {"right side down positive",  "nose up positive",
-                                                       "to the right positive",     "displacement ahead",
-                                                       "displacement to the right", "displacement down"};
+  constexpr std::array<const char*, freedoms> texts = {"roll, right side down positive", "pitch, nose up positive",
+                                                       "angle, positive to the right",   "displacement ahead",
+                                                       "displacement to the right",      "displacement down"};
   std::vector<ParameterSpec> members;
   for (std::size_t k = 0; k < freedoms; ++k)
     members.push_back(parameter::object(freedom_name[k], freedom_members(k < surge ? "rad" : "m"))
@@ -75,12 +75,12 @@ std::vector<ParameterSpec> mounting_members() {
   return {
       matrix("nominal", "1", 3, 3)
           .defaults("[[0, 0, 1], [0, 1, 0], [-1, 0, 0]]")
-          .about("C_S^M as designed: SINS axes to MINS axes; the default stands upright"),
+          .about("nominal C_S^M: SINS axes to MINS axes; default: upright"),
       vector("misalignment_sigma", "rad", 3)
           .at_least(0)
           .defaults("[\"1 deg\", \"1 deg\", \"1 deg\"]")
-          .about("standard deviation of the misalignment that is drawn once a run, about MINS axes"),
-      vector("misalignment", "rad", 3).about("the misalignment itself, the same in every run; then nothing is drawn"),
+          .about("standard deviation of the misalignment, drawn once per run, about MINS axes"),
+      vector("misalignment", "rad", 3).about("fixed misalignment, the same in every run; default: drawn"),
       vector("lever_arm", "m", 3)
           .formerly("arm")
           .defaults("[0, 0, 0]")
@@ -91,23 +91,23 @@ std::vector<ParameterSpec> mounting_members() {
 std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& bias, const std::string& noise) {
   using namespace parameter;
   return {
-      vector("bias", unit, 3)
-          .at_least(0)
-          .defaults(bias)
-          .about("standard deviation of the bias that is drawn once a run"),
+      vector("bias", unit, 3).at_least(0).defaults(bias).about("standard deviation of the bias, drawn once per run"),
       vector("scale", "1", 3)
           .at_least(0)
           .defaults("\"200 ppm\"")
-          .about("standard deviation of the scale factor error that is drawn once a run"),
+          .about("standard deviation of the scale factor error, drawn once per run"),
       number("misalignment", "rad")
           .at_least(0)
           .defaults("\"1 arcmin\"")
-          .about("standard deviation of each axis' lean towards each other one, drawn once a run"),
-      vector("noise", unit, 3).at_least(0).defaults(noise).about("standard deviation of the noise of a rate ..."),
+          .about("standard deviation of the misalignment of each axis towards each other axis, drawn once per run"),
+      vector("noise", unit, 3)
+          .at_least(0)
+          .defaults(noise)
+          .about("standard deviation of the rate noise over noise_time"),
       number("noise_time", "s")
           .above(0)
           .defaults("0.1")
-          .about("... over this time: white noise of density noise^2 * noise_time"),
+          .about("averaging time of noise: white noise of power spectral density noise^2 * noise_time"),
   };
 }
 
@@ -118,7 +118,7 @@ std::vector<ParameterSpec> mins_members() {
           .at_least(0)
           .at_most(1000)
           .defaults("5")
-          .about("samples, the first after one interval; 0: none"),
+          .about("sample rate of the MINS, the first sample after one interval; 0: none"),
       vector("velocity_noise", "m/s", 3)
           .at_least(0)
           .defaults("0.257")
@@ -130,7 +130,7 @@ std::vector<ParameterSpec> mins_members() {
       vector("position_noise", "m", 3)
           .at_least(0)
           .defaults("0")
-          .about("of the white position error: north, east, down"),
+          .about("standard deviation of the white position error: north, east, down"),
       vector("velocity_bias", "m/s", 3)
           .at_least(0)
           .defaults("0")
@@ -146,16 +146,16 @@ std::vector<ParameterSpec> mins_members() {
       number("noise_scale", "1")
           .at_least(0)
           .defaults("1")
-          .about("factor on the white errors: 3 makes them three times what the filter is given"),
+          .about("factor on the white errors, to make them differ from the noise in the filter"),
   };
 }
 
 std::vector<ParameterSpec> triple_members(const char* position, const char* velocity, const char* attitude) {
   using namespace parameter;
   return {
-      vector("position", "m", 3).at_least(0).defaults(position).about("north, east, down"),
-      vector("velocity", "m/s", 3).at_least(0).defaults(velocity).about("north, east, down"),
-      vector("attitude", "rad", 3).at_least(0).defaults(attitude).about("about north, east, down"),
+      vector("position", "m", 3).at_least(0).defaults(position).about("position: north, east, down"),
+      vector("velocity", "m/s", 3).at_least(0).defaults(velocity).about("velocity: north, east, down"),
+      vector("attitude", "rad", 3).at_least(0).defaults(attitude).about("attitude: about north, east, down"),
   };
 }
 
@@ -164,36 +164,42 @@ std::vector<ParameterSpec> initial_members() {
   return {
       choice("from", {"mins", "truth"})
           .defaults("\"mins\"")
-          .about("what the MINS shows, turned by the nominal mounting (the paper), or the truth with drawn errors"),
+          .about("source of the estimate: the MINS, rotated by the nominal mounting (as in the paper), or the truth "
+                 "with drawn errors"),
       object("error", triple_members("0", "0", "[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]"))
           .defaults("{}")
-          .about("standard deviations of the errors that are drawn once a run, for \"from\": \"truth\""),
+          .about("standard deviations of the errors, drawn once per run, for \"from\": \"truth\""),
       object("sigma", triple_members("10", "0.257", "\"1 deg\""))
           .defaults("{}")
-          .about("standard deviations that the covariance states, whatever the errors are"),
+          .about("standard deviations of the emitted covariance, independent of the errors"),
   };
 }
 
 std::vector<ParameterSpec> component_parameters() {
   using namespace parameter;
   return {
-      object("start", start_members()).required().about("where the MINS is at the start, and its course"),
-      time("start_time").defaults("0").about("time of the start on the clock of the run"),
-      time("duration").at_least(0.01).defaults("100").about("how long"),
+      object("start", start_members()).required().about("initial position and course of the MINS"),
+      time("start_time").defaults("0").about("start time on the run's clock"),
+      time("duration").at_least(0.01).defaults("100").about("duration of the simulation"),
       object("motion", motion_members())
           .defaults("{}")
-          .about("waves; each degree of freedom by tones or by a spectrum"),
-      object("mounting", mounting_members()).defaults("{}").about("how the SINS is mounted"),
-      number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("100").about("samples of the SINS' inertial sensors"),
+          .about("motion in waves; each degree of freedom by tones or by a spectrum"),
+      object("mounting", mounting_members()).defaults("{}").about("mounting of the SINS"),
+      number("imu_rate", "Hz")
+          .at_least(1)
+          .at_most(1e5)
+          .defaults("100")
+          .about("sample rate of the SINS' inertial sensors"),
       choice("increments", {"rate", "rotation_vector"})
           .defaults("\"rate\"")
-          .about("what wx wy wz are: the integral of angular rate, or the rotation vector, over the interval"),
+          .about("meaning of wx wy wz: the integral of the angular rate, or the rotation vector, over the interval"),
       number("truth_rate", "Hz")
           .at_least(0)
           .at_most(1e5)
           .defaults("5")
-          .about("truth and mounting, the first at the start; 0: none"),
-      boolean("perfect").defaults("false").about("no errors of sensors, MINS and initial; the misalignment stays"),
+          .about("rate of truth and mounting samples, the first at the start; 0: none"),
+      boolean("perfect").defaults("false").about(
+          "true: no errors of sensors, MINS and initial estimate; the misalignment remains"),
       object("gyro", sensor_members("rad/s", "\"0.2 deg/h\"", "\"10 deg/h\""))
           .defaults("{}")
           .about("errors of the SINS' gyroscopes"),
@@ -203,7 +209,7 @@ std::vector<ParameterSpec> component_parameters() {
       object("mins", mins_members()).defaults("{}").about("the master and its errors"),
       object("initial", initial_members())
           .defaults("{}")
-          .about("the estimate of the SINS' state on the channel initial"),
+          .about("initial estimate of the SINS' state on the channel initial"),
   };
 }
 
@@ -213,7 +219,7 @@ ComponentSpec declare_component() {
   ComponentSpec spec;
   spec.type = "ship_simulator";
   spec.summary =
-      "A ship in waves: a master INS, the inertial sensors of a slave INS, truth, mounting, initial estimate";
+      "A ship in waves: a master INS, the inertial sensors of a slave INS, truth, mounting and an initial estimate";
   spec.source =
       "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), section 4, "
       "tables 1 "

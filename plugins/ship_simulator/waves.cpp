@@ -33,19 +33,19 @@ std::vector<Tone> tones_of_spectrum(double omega, double zeta, double sigma, int
 std::vector<ParameterSpec> freedom_members(const std::string& unit) {
   using namespace parameter;
   std::vector<ParameterSpec> tone = {
-      number("amplitude", unit).required().about("half of what it moves from end to end"),
+      number("amplitude", unit).required().about("amplitude, half of the peak-to-peak motion"),
       number("frequency", "Hz").above(0).at_most(100).required().about("frequency"),
-      number("phase", "rad").about("of the sine at the start; drawn once a run unless given"),
+      number("phase", "rad").about("phase of the sine at the start; default: drawn once per run"),
   };
   std::vector<ParameterSpec> spectrum = {
       number("omega", "rad/s").above(0).at_most(100).required().about("natural frequency"),
       number("zeta", "1").above(0).at_most(2).required().about("damping"),
       number("sigma", unit).at_least(0).required().about("standard deviation"),
-      integer("tones").at_least(1).at_most(1000).defaults("40").about("how many tones stand for it"),
+      integer("tones").at_least(1).at_most(1000).defaults("40").about("number of tones that represent the spectrum"),
   };
   return {
-      list("tones", object("tone", std::move(tone))).defaults("[]").about("tones, one by one"),
-      object("spectrum", std::move(spectrum)).about("tones that stand for a second-order spectrum"),
+      list("tones", object("tone", std::move(tone))).defaults("[]").about("list of tones"),
+      object("spectrum", std::move(spectrum)).about("tones that represent a second-order spectrum"),
   };
 }
 

@@ -25,10 +25,11 @@ ComponentSpec DetectionScore::spec() {
   ComponentSpec spec;
   spec.type = "detection_score";
   spec.summary =
-      "For how many seconds a detector missed that the vehicle stood, and reported that it stood when it did not.";
-  spec.parameters = {parameter::time("after").defaults("0").about("what was before this time does not count")};
-  spec.inputs = {input("detected", {standing("1 where the detector says so")}).about("a detector's channel state"),
-                 input("truth", {standing("1 where it is so")}).about("what was; sets the resolution in time")};
+      "Evaluates a detector: seconds of standing that it missed, and of motion that it reported as standing.";
+  spec.parameters = {parameter::time("after").defaults("0").about("time before which nothing is evaluated")};
+  spec.inputs = {
+      input("detected", {standing("1 if the detector reports standing")}).about("channel 'state' of the detector"),
+      input("truth", {standing("1 if the vehicle stands")}).about("truth, which determines the time resolution")};
   spec.example = R"json({"inputs": {"detected": "motion", "truth": "truth"}})json";
   return spec;
 }
@@ -41,10 +42,10 @@ DetectionScore::DetectionScore(const Binding& binding)
       is_standing_(binding.field(truth_, "standing")),
       memory_(declaration_.keeps<Memory>()) {
   ChannelDeclaration channel;
-  missed_ = channel.carries(duration("missed", "it stood, and the detector did not say so"));
-  false_ = channel.carries(duration("false", "it moved, and the detector said that it stood"));
-  standing_ = channel.carries(duration("standing", "it stood"));
-  moving_ = channel.carries(duration("moving", "it moved"));
+  missed_ = channel.carries(duration("missed", "standing, but not detected"));
+  false_ = channel.carries(duration("false", "moving, but detected as standing"));
+  standing_ = channel.carries(duration("standing", "standing"));
+  moving_ = channel.carries(duration("moving", "moving"));
   channel_ = declaration_.emits(std::move(channel));
 }
 

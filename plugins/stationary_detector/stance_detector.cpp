@@ -43,28 +43,35 @@ ComponentSpec StanceDetector::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "stance_detector";
-  spec.summary = "Finds from the inertial samples of a foot when it stands on the ground.";
+  spec.summary = "Detects from inertial samples on a foot when it stands on the ground.";
   spec.source =
       "I. Skog, P. Händel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detection: an algorithm evaluation, IEEE Trans. "
       "Biomed. Eng. 57 (2010), 2657-2666: the generalized likelihood ratio test of angular rate and specific force";
   spec.parameters = {
-      integer("samples").at_least(2).at_most(most_samples).defaults("5").about("W, of the window, one after another"),
+      integer("samples")
+          .at_least(2)
+          .at_most(most_samples)
+          .defaults("5")
+          .about("number W of consecutive samples in the window"),
       number("force_sigma", "m/s^2")
           .above(0)
           .defaults("0.01")
-          .about("noise of a sample of specific force, in a stance"),
-      number("rate_sigma", "rad/s").above(0).defaults("\"0.1 deg/s\"").about("noise of a sample of angular rate"),
-      number("gravity", "m/s^2").at_least(9).at_most(11).defaults("9.8").about("the length of specific force at rest"),
-      number("threshold", "1").above(0).defaults("3e4").about("gamma; below it the foot stands"),
+          .about("standard deviation of a sample of specific force, in a stance"),
+      number("rate_sigma", "rad/s")
+          .above(0)
+          .defaults("\"0.1 deg/s\"")
+          .about("standard deviation of a sample of angular rate, in a stance"),
+      number("gravity", "m/s^2").at_least(9).at_most(11).defaults("9.8").about("length of the specific force at rest"),
+      number("threshold", "1").above(0).defaults("3e4").about("threshold gamma, below which the foot stands"),
       parameter::time("max_gap")
           .above(0)
           .defaults("\"50 ms\"")
-          .about("a longer hole in the samples empties the window"),
+          .about("longest hole in the samples; a longer hole clears the window"),
   };
   std::vector<FieldSpec> bias;
   for (const char* name : {"x", "y", "z"}) bias.push_back(field::level(name, "rad/s").about("gyroscope bias"));
   spec.inputs = {input("imu", imu_fields()).about("the inertial sensor on the foot"),
-                 input("gyro_bias", bias).optional().about("the latest is taken off the rates")};
+                 input("gyro_bias", bias).optional().about("latest bias, subtracted from the rates")};
   spec.example = R"json({"input": "imu", "threshold": 3e4})json";
   return spec;
 }

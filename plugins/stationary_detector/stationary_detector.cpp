@@ -59,33 +59,46 @@ ComponentSpec StationaryDetector::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "stationary_detector";
-  spec.summary = "Finds from inertial samples whether the vehicle stands or moves.";
+  spec.summary = "Detects from inertial samples whether the vehicle stands or moves.";
   spec.source = "paper 001, section 3 and figure 4, equations (11) and (12)";
   spec.parameters = {
-      number("cutoff", "Hz").above(0).at_most(1000).defaults("2").about("of the low-pass filter, -3 dB"),
+      number("cutoff", "Hz")
+          .above(0)
+          .at_most(1000)
+          .defaults("2")
+          .about("cutoff frequency of the low-pass filter, -3 dB"),
       time("window").at_least(0.01).at_most(60).defaults("\"1 s\"").about(
-          "over which rates are averaged and the force's variance is taken"),
+          "time window of the mean rates and of the specific force's variance"),
       number("rate_threshold", "rad/s")
           .above(0)
           .defaults("\"0.02 deg/s\"")
-          .about("(11): the mean rate's length may differ by less than this from the earth's rate"),
+          .about("test (11): largest difference between the length of the mean rate and the earth rate"),
       number("specific_force_variance", "m^2/s^4")
           .above(0)
           .defaults("4e-4")
-          .about("(12): the variance of the specific force's length is less than this"),
-      time("on").at_least(0).defaults("\"1.5 s\"").about("for how long both must hold before it stands"),
-      time("off").at_least(0).defaults("\"0.5 s\"").about("for how long one must fail before it moves"),
-      number("standing_rate", "Hz").above(0).at_most(1000).defaults("1").about("samples of the channel standing"),
-      number("moving_rate", "Hz").above(0).at_most(1000).defaults("1").about("samples of the channel moving"),
-      time("max_gap").above(0).defaults("\"0.5 s\"").about("a longer hole in the samples: it begins anew")};
+          .about("test (12): largest variance of the length of the specific force"),
+      time("on")
+          .at_least(0)
+          .defaults("\"1.5 s\"")
+          .about("time for which both tests must hold before the state becomes standing"),
+      time("off")
+          .at_least(0)
+          .defaults("\"0.5 s\"")
+          .about("time for which one test must fail before the state becomes moving"),
+      number("standing_rate", "Hz").above(0).at_most(1000).defaults("1").about("sample rate of the channel standing"),
+      number("moving_rate", "Hz").above(0).at_most(1000).defaults("1").about("sample rate of the channel moving"),
+      time("max_gap")
+          .above(0)
+          .defaults("\"0.5 s\"")
+          .about("longest hole in the samples; a longer hole restarts the detector")};
   std::vector<FieldSpec> of_imu;
-  for (const Triad& part : {rates("body axes, whatever they are"), forces("body axes, whatever they are")})
+  for (const Triad& part : {rates("body axes of any orientation"), forces("body axes of any orientation")})
     of_imu.insert(of_imu.end(), part.begin(), part.end());
   const Triad bias = triad({"x", "y", "z"}, "rad/s", FieldKind::level, "gyroscope bias, body axes");
   spec.inputs = {input("imu", of_imu).about("the inertial sensor"),
                  input("gyro_bias", {bias.begin(), bias.end()})
                      .optional()
-                     .about("the latest is taken off the rates, whose bias (11) does not see otherwise")};
+                     .about("latest bias, subtracted from the rates; without it, test (11) includes the bias")};
   spec.example = R"json({"input": "imu", "standing_rate": 1, "moving_rate": 1})json";
   return spec;
 }

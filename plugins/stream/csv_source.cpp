@@ -26,20 +26,23 @@ std::string_view trimmed(std::string_view text) {
 ComponentSpec CsvSource::spec() {
   ComponentSpec spec;
   spec.type = "csv";
-  spec.summary = "samples as they come, one row of delimited text a line";
+  spec.summary = "live samples, one row of delimited text per line";
   spec.source = "RFC 4180 (text/csv)";
   add_parameters(spec);
   spec.parameters.push_back(
-      parameter::map("columns",
-                     field_spec("column",
-                                "its name in the header, or its number from 1 without one; default: the field's name"))
+      parameter::map(
+          "columns",
+          field_spec(
+              "column",
+              "name of the column in the header, or its number from 1 without a header; default: the field's name"))
           .required()
-          .about("fields of the channel and the columns they stand in"));
+          .about("fields of the channel and their columns"));
   spec.parameters.push_back(parameter::text("delimiter").defaults("\",\"").about("character between cells"));
   spec.parameters.push_back(
-      parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
+      parameter::text("comment").defaults("\"#\"").about("prefix of lines that are skipped; \"\": none"));
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
-      "the first line of each connection names the columns; else they are numbered from 1, the time is in the first"));
+      "true: the first line of each connection names the columns; false: columns are numbered from 1, and the first "
+      "one is the time"));
   spec.example = R"json({
   "from": "file:live.csv",
   "columns": { "wx": { "column": "gx", "unit": "deg/s", "kind": "rate" } }

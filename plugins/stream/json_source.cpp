@@ -82,18 +82,19 @@ class JsonSource::Reader {
 ComponentSpec JsonSource::spec() {
   ComponentSpec spec;
   spec.type = "json";
-  spec.summary = "samples as they come, one JSON object a line";
+  spec.summary = "live samples, one JSON object per line";
   spec.source = "RFC 8259 (JSON), JSON Lines";
   add_parameters(spec);
   const auto fields = [] {
     return parameter::map(
         "fields",
-        field_spec("key", "its name in the object, of one in an object \"gyro.x\"; default: the field's name"));
+        field_spec("key",
+                   "name of the number in the object, for nested objects \"gyro.x\"; default: the field's name"));
   };
-  spec.parameters.push_back(fields().about("of the one channel, which has the source's name"));
+  spec.parameters.push_back(fields().about("fields of the only channel, which has the source's name"));
   spec.parameters.push_back(
-      parameter::map("channels", parameter::object("channel", {fields().required().about("of the channel")}))
-          .about("of several channels, NAME.CHANNEL: \"channel\" of a line says which"));
+      parameter::map("channels", parameter::object("channel", {fields().required().about("fields of the channel")}))
+          .about("several channels, NAME.CHANNEL, selected by \"channel\" of a line"));
   spec.example = R"json({
   "from": "file:live.jsonl",
   "fields": { "wx": { "key": "gyro.x", "unit": "deg/s", "kind": "rate" } }
@@ -119,10 +120,10 @@ JsonSource::JsonSource(const Binding& binding) : LineSource(binding) {
 bool JsonSource::parse(std::string_view line, LineSample& sample) const {
   Reader reader;
   if (!nlohmann::json::sax_parse(line.begin(), line.end(), &reader) || !reader.is_object)
-    throw BadLine{"it is no JSON object"};
+    throw BadLine{"it is not a JSON object"};
   sample.channel = 0;
   if (!channels_.front().name.empty()) {
-    if (!reader.has_channel) throw BadLine{"it does not say of which \"channel\" it is"};
+    if (!reader.has_channel) throw BadLine{"its \"channel\" is missing"};
     while (sample.channel < channels_.size() && channels_[sample.channel].name != reader.channel) ++sample.channel;
     if (sample.channel == channels_.size()) throw BadLine{"there is no channel '" + reader.channel.substr(0, 40) + "'"};
   }

@@ -56,20 +56,19 @@ ComponentSpec JsonWriter::spec() {
   ComponentSpec spec;
   spec.type = "json_writer";
   spec.summary =
-      "each sample of any channel as one line of JSON: {\"channel\": \"ins\", \"t\": 12.5, \"position.lat\": 0.84, …}";
+      "samples of any channel, one line of JSON each: {\"channel\": \"ins\", \"t\": 12.5, \"position.lat\": 0.84, …}";
   spec.source = "RFC 8259 (JSON); one object a line";
   spec.parameters = text_output::TextOutput::parameters();
-  spec.parameters.push_back(
-      text("channel").about("what the lines say under \"channel\"; default: the sink's own name"));
-  spec.parameters.push_back(text("time").defaults("\"t\"").about("the key of the time, in seconds"));
+  spec.parameters.push_back(text("channel").about("value of \"channel\" in the lines; default: the sink's name"));
+  spec.parameters.push_back(text("time").defaults("\"t\"").about("key of the time, in seconds"));
   spec.parameters.push_back(
       choice("covariance", {"none", "sigma", "full"})
           .defaults("\"sigma\"")
-          .about("of a channel that carries one: sigma: standard deviations by error component, under "
-                 "\"sigma\"; full: besides the matrix, its rows under \"covariance\""));
+          .about("output of a channel's covariance: sigma: standard deviations by error component, under \"sigma\"; "
+                 "full: also the matrix, by rows under \"covariance\""));
   spec.inputs = {input("input", {field::level("height", "m").about("an example")})
                      .whole()
-                     .about("what is written, all fields by their own names, in SI")};
+                     .about("channel to be written: all fields by their own names, in SI")};
   spec.example = R"json({"input": "ins", "to": "udp://127.0.0.1:9870"})json";
   return spec;
 }

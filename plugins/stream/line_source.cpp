@@ -22,25 +22,27 @@ void LineSource::add_parameters(ComponentSpec& spec) {
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   spec.parameters.front().is_required = true;  // from
   spec.parameters.push_back(
-      parameter::object("time",
-                        {parameter::text("key").about("its name in a line; default: \"t\""),
-                         parameter::number("unit", "*").defaults("\"s\"").about("of the label: \"s\", \"ms\", \"ns\""),
-                         parameter::time("offset").defaults("0").about("added to every label")})
-          .about("the label of a line"));
+      parameter::object("time", {parameter::text("key").about("name of the label in a line; default: \"t\""),
+                                 parameter::number("unit", "*")
+                                     .defaults("\"s\"")
+                                     .about("unit of the label, for example \"s\", \"ms\", \"ns\""),
+                                 parameter::time("offset").defaults("0").about("offset added to every label")})
+          .about("time label of a line"));
   spec.parameters.push_back(
       parameter::time("interval")
           .above(0)
-          .about("fixed length of the interval that a rate or increment belongs to; default: from label to label"));
+          .about("fixed length of the interval of a rate or increment; default: the time between labels"));
   spec.parameters.push_back(parameter::time("max_gap").above(0).defaults("\"1 s\"").about(
-      "after a longer step between labels a rate or increment has no interval"));
+      "longest step between labels; after a longer step a rate or increment has no interval"));
 }
 
 ParameterSpec LineSource::field_spec(const char* key, const char* about) {
-  return parameter::object("field",
-                           {parameter::text(key).about(about),
-                            parameter::number("unit", "*").required().about("of the numbers: \"deg/s\", \"g\""),
-                            parameter::choice("kind", {"level", "rate", "increment"})
-                                .about("level: a value at the label; rate, increment: over the interval before it")});
+  return parameter::object(
+      "field", {parameter::text(key).about(about),
+                parameter::number("unit", "*").required().about("unit of the numbers, for example \"deg/s\", \"g\""),
+                parameter::choice("kind", {"level", "rate", "increment"})
+                    .about("level: value at the label; rate: mean over the interval before it; increment: integral "
+                           "over this interval")});
 }
 
 LineSource::LineSource(const Binding& binding) {
@@ -91,7 +93,7 @@ Time LineSource::time_of(std::string_view text) const {
   char* end = nullptr;
   const long double label = std::strtold(copy.c_str(), &end);
   if (end != copy.c_str() + copy.size() || copy.empty() || !std::isfinite(label))
-    throw BadLine{"its time is no number"};
+    throw BadLine{"its time is not a number"};
   const long double t = label * static_cast<long double>(time_unit_);
   if (std::abs(t) > 4e18L) throw BadLine{"its time is out of range; is the unit of the time right?"};
   return static_cast<Time>(std::llroundl(t)) + time_offset_;
@@ -132,7 +134,7 @@ bool LineSource::take(std::string_view line, SourceOutput& out) const {
     if (std::ranges::none_of(sample.values, is_finite)) throw BadLine{"it has none of its channel's fields"};
     write(sample, out);
     if (!std::ranges::all_of(sample.values, is_finite))
-      lines_->complain("a field is missing, or is no number; it is taken as NaN");
+      lines_->complain("a field is missing, or is not a number; it is taken as NaN");
     return true;
   } catch (const BadLine& bad) {
     lines_->complain(bad.why);

@@ -24,25 +24,41 @@ ComponentSpec TargetSimulator::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "target_simulator";
-  spec.summary = "A target in a plane, of which an observer on known legs measures the azimuth, and truth.";
+  spec.summary = "A target in a plane: azimuths measured by an observer on known legs, and truth.";
   spec.source = "Aidala, Kalman filter behavior in bearings-only tracking applications, IEEE TAES 15(1), 1979";
   spec.parameters = {
-      time("duration").above(0).defaults("\"600 s\"").about("from time zero"),
-      number("rate", "Hz").above(0).at_most(1e3).defaults("0.2").about("of bearings and of truth, from time zero"),
-      number("sigma", "rad").at_least(0).defaults("\"0.5 deg\"").about("of the azimuth's white noise"),
-      object("target",
-             {vector("position", "m", 2).required().about("north, east: where a filter expects it"),
-              vector("velocity", "m/s", 2).defaults("0").about("north, east"),
-              vector("position_sigma", "m", 2).at_least(0).defaults("0").about("of what is drawn in each run"),
-              vector("velocity_sigma", "m/s", 2).at_least(0).defaults("0").about("of what is drawn in each run"),
-              number("q", "m/s/sqrt(s)").at_least(0).defaults("0").about("root of the density of its acceleration")})
+      time("duration").above(0).defaults("\"600 s\"").about("duration from time zero"),
+      number("rate", "Hz")
+          .above(0)
+          .at_most(1e3)
+          .defaults("0.2")
+          .about("sample rate of bearings and of truth, from time zero"),
+      number("sigma", "rad")
+          .at_least(0)
+          .defaults("\"0.5 deg\"")
+          .about("standard deviation of the azimuth's white noise"),
+      object("target", {vector("position", "m", 2).required().about("expected initial position: north, east"),
+                        vector("velocity", "m/s", 2).defaults("0").about("expected initial velocity: north, east"),
+                        vector("position_sigma", "m", 2)
+                            .at_least(0)
+                            .defaults("0")
+                            .about("standard deviation of the initial position, drawn in each run"),
+                        vector("velocity_sigma", "m/s", 2)
+                            .at_least(0)
+                            .defaults("0")
+                            .about("standard deviation of the initial velocity, drawn in each run"),
+                        number("q", "m/s/sqrt(s)")
+                            .at_least(0)
+                            .defaults("0")
+                            .about("root of the power spectral density of the target's acceleration")})
           .required()
-          .about("truth is drawn about these: truth = what a filter starts from + N(0, sigma^2)"),
-      vector("observer", "m", 2).defaults("0").about("north, east: where the observer starts"),
-      list("legs", object("leg", {time("duration").above(0).required().about("of the leg"),
-                                  vector("velocity", "m/s", 2).required().about("north, east")}))
+          .about(
+              "initial estimate of the target; the truth is drawn about it: truth = initial estimate + N(0, sigma^2)"),
+      vector("observer", "m", 2).defaults("0").about("initial position of the observer: north, east"),
+      list("legs", object("leg", {time("duration").above(0).required().about("duration of the leg"),
+                                  vector("velocity", "m/s", 2).required().about("velocity: north, east")}))
           .required()
-          .about("of the observer, which keeps the last one")};
+          .about("legs of the observer, which continues on the last one")};
   spec.example = R"json({"target": {"position": [5000, 0], "position_sigma": [1500, 100]},
     "legs": [{"duration": "2 min", "velocity": [0, 10]}, {"duration": "2 min", "velocity": [10, 0]}]})json";
   return spec;

@@ -20,21 +20,21 @@ FieldSpec angle(std::string name, std::string text) {
 ComponentSpec DcmMatch::spec() {
   ComponentSpec spec;
   spec.type = "dcm_match";
-  spec.summary = "Attitude match of transfer alignment: the master's direction cosines against the slave's.";
+  spec.summary = "Attitude matching of transfer alignment: the direction cosines of the master and the slave.";
   spec.source = "paper 000, equations (3) and (4)";
-  spec.parameters = {
-      parameter::vector("sigma", "rad", 3)
-          .above(0)
-          .plausible(1e-7, 0.5)
-          .required()
-          .about("standard deviation of the master's attitude, about north, east, down, at each sample"),
-      parameter::choice("jacobian", {"tangent", "chord"})
-          .defaults("\"tangent\"")
-          .about("at the estimate, or right to second order over the whole residual: for large errors at the start")};
-  spec.ports = {reads("attitude", "attitude").about("of the slave (SINS)"),
-                reads("mounting", "mounting").about("of the slave in the master's axes")};
-  spec.fields = {angle("roll", "of the master (MINS)"), angle("pitch", "of the master"),
-                 angle("yaw", "of the master, from true north")};
+  spec.parameters = {parameter::vector("sigma", "rad", 3)
+                         .above(0)
+                         .plausible(1e-7, 0.5)
+                         .required()
+                         .about("standard deviation of the master's attitude, about north, east, down, at each sample"),
+                     parameter::choice("jacobian", {"tangent", "chord"})
+                         .defaults("\"tangent\"")
+                         .about("point of the linearization: the estimate, or second-order accurate over the whole "
+                                "residual, for large initial errors")};
+  spec.ports = {reads("attitude", "attitude").about("attitude of the slave (SINS)"),
+                reads("mounting", "mounting").about("mounting of the slave in the master's axes")};
+  spec.fields = {angle("roll", "roll of the master (MINS)"), angle("pitch", "pitch of the master"),
+                 angle("yaw", "yaw of the master, from true north")};
   spec.example = R"json({"channel": "mins", "blocks": {"attitude": "attitude", "mounting": "mounting"},
     "sigma": "0.2 arcmin"})json";
   // Attitudes that agree to some degrees: an arbitrary pair of them is refused.

@@ -24,7 +24,7 @@ Vector4d nominal_rotation(const Parameters& parameters) {
     throw ComponentError("the nominal mounting is given twice: as 'nominal' and as 'angles'", "/nominal");
   const Matrix3d C = parameters.matrix("nominal");
   if (!(C * C.transpose()).isIdentity(orthogonality) || !(C.determinant() > 0.0))
-    throw ComponentError("'nominal' is no rotation: its rows must be of unit length, at right angles, right-handed",
+    throw ComponentError("'nominal' is not a rotation: its rows must be of unit length, at right angles, right-handed",
                          "/nominal");
   return strapdown::quaternion_normalised(strapdown::quaternion_from_dcm(C));
 }
@@ -38,12 +38,13 @@ ComponentSpec MountingBlock::spec() {
   spec.source = "paper 000, equations (3) and (5)";
   spec.kind = "mounting";
   spec.parameters = {
-      parameter::matrix("nominal", "1", 3, 3).about("nominal C_S^M by rows, slave to master axes; or give 'angles'"),
+      parameter::matrix("nominal", "1", 3, 3)
+          .about("nominal C_S^M by rows, slave to master axes; alternative: 'angles'"),
       parameter::vector("angles", "rad", 3)
           .defaults("0")
           .at_least(-2.0 * std::numbers::pi)
           .at_most(2.0 * std::numbers::pi)
-          .about("the same as roll, pitch, yaw of the slave in the master's axes")};
+          .about("nominal roll, pitch and yaw of the slave in the master's axes; alternative to 'nominal'")};
   spec.example = R"json({"nominal": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], "init": {"mx": 0, "my": 0, "mz": 0},
     "sigma": "1 deg"})json";
   return spec;

@@ -34,32 +34,36 @@ FieldSpec rate(std::string name) {
 ComponentSpec VelocityMatch::spec() {
   ComponentSpec spec;
   spec.type = "velocity_match";
-  spec.summary = "Velocity match of transfer alignment: the master's velocity against the slave's.";
+  spec.summary = "Velocity matching of transfer alignment: the velocities of the master and the slave.";
   spec.source =
       "paper 000, equation (2); lever arm: Groves, Principles of GNSS, Inertial, and Multisensor Integrated "
       "Navigation Systems, 2nd ed., section 15.1";
-  spec.parameters = {
-      parameter::vector("sigma", "m/s", 3)
-          .above(0)
-          .plausible(1e-4, 100)
-          .required()
-          .about("standard deviation of the master's velocity, north, east, down, at each sample"),
-      parameter::choice("axes", {"horizontal", "all"}).defaults("\"horizontal\"").about("north and east, or down too")};
-  spec.ports = {
-      reads("velocity", "velocity.ned", "of the slave (SINS)"),
-      reads("lever_arm", "vector:3:m")
-          .optional()
-          .about("from the master to the slave, in the master's body axes")
-          .formerly("arm"),
-      reads("attitude", "attitude").optional().about("of the slave; needed with a lever arm"),
-      reads("gyro_bias", "vector:3:rad/s").optional().about("of the slave, taken off its rate; for a lever arm")};
-  spec.fields = {speed("vn", "of the master (MINS) over ground, north"),
-                 speed("ve", "of the master over ground, east"),
-                 speed("vd", "of the master over ground, down; needed for all axes").optional(),
-                 angle("roll", "of the master; needed with a lever arm"),
-                 angle("pitch", "of the master; needed with a lever arm"),
-                 angle("yaw", "of the master; needed with a lever arm"),
-                 angle("lat", "of the master; with it the earth's rate is taken off the slave's, for a lever arm")};
+  spec.parameters = {parameter::vector("sigma", "m/s", 3)
+                         .above(0)
+                         .plausible(1e-4, 100)
+                         .required()
+                         .about("standard deviation of the master's velocity, north, east, down, at each sample"),
+                     parameter::choice("axes", {"horizontal", "all"})
+                         .defaults("\"horizontal\"")
+                         .about("axes of the match: north and east, or also down")};
+  spec.ports = {reads("velocity", "velocity.ned", "velocity of the slave (SINS)"),
+                reads("lever_arm", "vector:3:m")
+                    .optional()
+                    .about("lever arm from the master to the slave, in the master's body axes")
+                    .formerly("arm"),
+                reads("attitude", "attitude").optional().about("attitude of the slave; required with a lever arm"),
+                reads("gyro_bias", "vector:3:rad/s")
+                    .optional()
+                    .about("gyro bias of the slave, subtracted from its rate; for a lever arm")};
+  spec.fields = {
+      speed("vn", "velocity of the master (MINS) over ground, north"),
+      speed("ve", "velocity of the master over ground, east"),
+      speed("vd", "velocity of the master over ground, down; required for all axes").optional(),
+      angle("roll", "attitude of the master; required with a lever arm"),
+      angle("pitch", "attitude of the master; required with a lever arm"),
+      angle("yaw", "attitude of the master; required with a lever arm"),
+      angle("lat",
+            "position of the master; with it the earth rate is subtracted from the slave's rate, for a lever arm")};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "mins", "blocks": {"velocity": "velocity"}, "sigma": "0.257 m/s"})json";
   return spec;

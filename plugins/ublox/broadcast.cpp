@@ -285,7 +285,7 @@ Broadcast BroadcastCollector::finish(gnss::BroadcastMessage message) {
   const auto known = last_.find(message.ephemeris.satellite);
   if (known != last_.end() && is_same(known->second, message)) return result;
   if (!gnss::is_usable(message.ephemeris)) {
-    result.fault = "its orbit or clock is none of a satellite";
+    result.fault = "its orbit or clock is not plausible for a satellite";
     return result;
   }
   last_[message.ephemeris.satellite] = message;

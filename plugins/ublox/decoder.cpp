@@ -107,7 +107,7 @@ void Decoder::take_solution(const ValueKind& kind, const Frame& frame, std::vect
   const bool is_pvt = kind.kind == Kind::pvt;
   const auto instant = is_pvt ? pvt_instant(p) : std::nullopt;
   const Time t = instant ? *instant : time_of_week(p.u4(of_week));
-  if (t == no_time) return complaints.note("B065", name + " before the week was known", frame.at);
+  if (t == no_time) return complaints.note("B065", name + " before the receiver reported the week", frame.at);
   if (kind.kind != Kind::ins) see_epoch(t);
   if (is_pvt) {
     has_fix_ = !reading->refusal;
@@ -159,7 +159,7 @@ void Decoder::take_rawx(const Frame& frame, std::vector<Item>& items, Complaints
     const bool is_twice = std::any_of(item.epoch.satellites.begin(), item.epoch.satellites.end(),
                                       [&](const gnss::Observation& other) { return other.satellite == o.satellite; });
     if (is_twice) {
-      complaints.damage("B062", "observations of RXM-RAWX that stand there twice", frame.at);
+      complaints.damage("B062", "observations of RXM-RAWX that appear twice", frame.at);
       continue;
     }
     const double doppler = p.r4(at + 16), phase = p.r8(at + 8);
@@ -172,7 +172,7 @@ void Decoder::take_rawx(const Frame& frame, std::vector<Item>& items, Complaints
 }
 
 void Decoder::take_subframe(const Frame& frame, std::vector<Item>& items, Complaints& complaints) {
-  if (now_ == no_time) return complaints.note("B065", "RXM-SFRBX before the week was known", frame.at);
+  if (now_ == no_time) return complaints.note("B065", "RXM-SFRBX before the receiver reported the week", frame.at);
   Item item;
   item.broadcast = broadcasts_.take(Payload(frame.payload), now_);
   if (item.broadcast.fault) complaints.damage("B062", std::string("RXM-SFRBX: ") + item.broadcast.fault, frame.at);

@@ -34,8 +34,8 @@ constexpr std::array<std::pair<int, const char*>, 11> names{{{nav_posllh, "NAV-P
 
 std::vector<FieldSpec> position_fields() {
   return {level("lat", "rad").about("geodetic latitude"),
-          level("lon", "rad").about("east positive"),
-          level("height", "m").about("above the ellipsoid"),
+          level("lon", "rad").about("longitude, east positive"),
+          level("height", "m").about("height above the ellipsoid"),
           level("height_msl", "m").about("above the receiver's mean sea level"),
           level("position_sd_n", "m").about("hAcc"),
           level("position_sd_e", "m").about("hAcc"),

@@ -68,8 +68,8 @@ SourceStatus LiveMessages::next(LiveSample& sample) {
     if (got == line_input::Bytes::Got::lost || got == line_input::Bytes::Got::found) {
       framer_.begin_anew();
       bytes_.warn(got == line_input::Bytes::Got::lost
-                      ? "nobody is there, or the connection was lost; it is tried again each second"
-                      : "the connection is there again",
+                      ? "there is no connection, or it was lost; the program tries again every second"
+                      : "the connection is restored",
                   "B067");
     }
     std::vector<Item> items;

@@ -172,7 +172,7 @@ class Reader {
   }
 
   void report() {
-    if (!damage_.empty()) reporter_.warn("B061", path_, 0, damage_ + "; what was read before is kept");
+    if (!damage_.empty()) reporter_.warn("B061", path_, 0, damage_ + "; the data before it are kept");
     for_each_count(counts_, [&](const char* code, const std::string& text, std::uint64_t at) {
       const bool is_text = std::string_view(code) == "B065";
       if (rules_.stops_on_error && !is_text) throw ComponentError::in_data(text + " at " + at_byte(at), path_, 0, code);
@@ -196,12 +196,11 @@ class Reader {
   void report_sensors(const char* name, const SensorClock& clock) {
     if (clock.offset() == no_time) return;
     char text[240];
-    std::snprintf(
-        text, sizeof text,
-        "times of %s are put on GPS time by their order among the epochs, whose later ones differ by %+.1f to "
-        "%+.1f ms; they are early by the receiver's latency ('sensor_shift')%s",
-        name, static_cast<double>(clock.least_apart()) * 1e-6, static_cast<double>(clock.most_apart()) * 1e-6,
-        clock.jumps() > 0 ? "; the sensor's clock was set in between" : "");
+    std::snprintf(text, sizeof text,
+                  "times of %s are converted to GPS time by their order among the epochs; later epochs differ by %+.1f "
+                  "to %+.1f ms; they are early by the receiver's latency ('sensor_shift')%s",
+                  name, static_cast<double>(clock.least_apart()) * 1e-6, static_cast<double>(clock.most_apart()) * 1e-6,
+                  clock.jumps() > 0 ? "; the sensor's clock was set in between" : "");
     reporter_.warn("B065", path_, 0, text);
   }
 

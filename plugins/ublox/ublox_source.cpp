@@ -13,19 +13,23 @@ ComponentSpec UbloxSource::spec() {
   ComponentSpec spec;
   spec.type = "ublox";
   spec.summary =
-      "a u-blox receiver: positions, velocities, baselines, sensors, pseudoranges and ephemerides from messages of UBX";
+      "positions, velocities, baselines, sensor data, pseudoranges and ephemerides from UBX messages of a u-blox "
+      "receiver";
   spec.source =
       "u-blox M8 protocol specification (UBX-13003221), ZED-F9P (UBX-18010854) and ZED-F9R (UBX-19056845) interface "
       "descriptions; IS-GPS-200; Galileo OS SIS ICD";
   spec.parameters = {
-      path("path").about("a file of messages that is whole, plain or gzipped; or 'from'"),
+      path("path").about("complete file of messages, plain or gzipped; alternative to 'from'"),
       list("messages", text("message"))
-          .about("those that are read, \"NAV-PVT\", \"RXM-RAWX\" …; default: all that are known"),
+          .about("messages to be read, for example \"NAV-PVT\", \"RXM-RAWX\"; default: all known messages"),
       gnss::Signals::parameter(),
-      time("raw_tick").above(0).defaults("3.90625e-5").about("of the time tags of ESF-RAW; u-blox does not state it"),
+      time("raw_tick")
+          .above(0)
+          .defaults("3.90625e-5")
+          .about("unit of the time tags of ESF-RAW, which u-blox does not document"),
       time("sensor_shift")
           .defaults("0")
-          .about("added to the times of ESF-MEAS and ESF-RAW, which are early by the receiver's latency")};
+          .about("offset added to the times of ESF-MEAS and ESF-RAW, which are early by the receiver's latency")};
   for (ParameterSpec& each : gnss::ChoiceRules::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : line_input::Bytes::parameters("a message")) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
@@ -67,7 +71,7 @@ void UbloxSource::choose_messages(const Parameters& p) {
       if (std::find(known.begin(), known.end(), each.text) == known.end()) {
         std::string all;
         for (const auto& name : known) all += (all.empty() ? "" : ", ") + name;
-        throw ComponentError("'" + each.text + "' is no message that is read; expected one of " + all, place);
+        throw ComponentError("'" + each.text + "' is not a message that is read; expected one of " + all, place);
       }
       if (p.has("epoch") && is_of_satellites(message_type(each.text)))
         throw ComponentError(each.text + " needs channels that count GPS time: 'week' instead of 'epoch'", place);

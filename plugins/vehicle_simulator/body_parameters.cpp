@@ -23,26 +23,27 @@ ParameterSpec frequency(std::string hertz, std::string text) {
 }
 
 std::vector<ParameterSpec> ride_members() {
-  return {size("slip", "rad*s^2/m", "side-slip per lateral acceleration: the body points into the curve"),
-          size("sway", "m/s", "velocity sideways, standard deviation at full speed"),
-          size("heave", "m/s", "velocity up and down, standard deviation at full speed"),
-          size("rocking", "m/s", "velocity forward, right and down of the standing vehicle, standard deviation each"),
-          size("roll", "rad", "jitter about the path's slope and lean, standard deviation at full speed"),
-          size("pitch", "rad", "the same, nose up and down"),
-          frequency("1.5", "at which sway, heave, roll and pitch are strongest"),
+  return {size("slip", "rad*s^2/m", "side-slip angle per lateral acceleration, with the body pointing into the curve"),
+          size("sway", "m/s", "lateral velocity, standard deviation at full speed"),
+          size("heave", "m/s", "vertical velocity, standard deviation at full speed"),
+          size("rocking", "m/s",
+               "forward, right and down velocity of the standing vehicle, standard deviation of each"),
+          size("roll", "rad", "roll relative to the path, standard deviation at full speed"),
+          size("pitch", "rad", "pitch relative to the path, standard deviation at full speed"),
+          frequency("1.5", "frequency at which sway, heave, roll and pitch are strongest"),
           number("half_speed", "m/s")
               .at_least(0.01)
               .defaults("1")
-              .about("at speed v there is the share v / sqrt(v^2 + half_speed^2) of them")};
+              .about("speed for the scaling of the motion by v / sqrt(v^2 + half_speed^2) at the speed v")};
 }
 
 std::vector<ParameterSpec> boarding_members() {
-  return {time("every").at_least(0).defaults("0").about("one push in each such part of a stop; 0: nobody boards"),
-          time("after").at_least(0).defaults("0").about("nobody boards before, from the start"),
-          time("duration").at_least(0.05).defaults("1").about("of a push"),
-          size("heave", "m", "standard deviation of the push's height, down and up again"),
-          size("roll", "rad", "standard deviation of the push's roll"),
-          size("pitch", "rad", "standard deviation of the push's pitch")};
+  return {time("every").at_least(0).defaults("0").about("time per disturbance during a stop; 0: no boarding"),
+          time("after").at_least(0).defaults("0").about("time from the start before which nobody boards"),
+          time("duration").at_least(0.05).defaults("1").about("duration of a disturbance"),
+          size("heave", "m", "standard deviation of the disturbance in height, down and up again"),
+          size("roll", "rad", "standard deviation of the disturbance in roll"),
+          size("pitch", "rad", "standard deviation of the disturbance in pitch")};
 }
 
 std::vector<ParameterSpec> shake_members(const char* when) {
@@ -51,9 +52,9 @@ std::vector<ParameterSpec> shake_members(const char* when) {
 }
 
 std::vector<ParameterSpec> shaking_members() {
-  return {object("standing", shake_members("standing")).defaults("{}").about("of the engine"),
-          object("driving", shake_members("at full speed")).defaults("{}").about("of engine and road"),
-          frequency("25", "at which it is strongest")};
+  return {object("standing", shake_members("standing")).defaults("{}").about("vibration from the engine"),
+          object("driving", shake_members("at full speed")).defaults("{}").about("vibration from engine and road"),
+          frequency("25", "frequency at which the vibration is strongest")};
 }
 
 std::vector<ParameterSpec> mounting_members() {
@@ -61,18 +62,18 @@ std::vector<ParameterSpec> mounting_members() {
   const auto angle = [&](std::string name, std::string text) {
     return number(std::move(name), "rad").at_least(-turn).at_most(turn).defaults("0").about(std::move(text));
   };
-  return {angle("roll", "nominal, from the IMU's to the vehicle's axes: turn about x, made first"),
-          angle("pitch", "turn about y, made second"), angle("yaw", "turn about z, made third"),
+  return {angle("roll", "nominal rotation from the IMU's to the vehicle's axes: about x, applied first"),
+          angle("pitch", "rotation about y, applied second"), angle("yaw", "rotation about z, applied third"),
           vector("misalignment", "rad", 3)
               .at_least(-1)
               .at_most(1)
               .defaults("[0, 0, 0]")
-              .about("what nobody knows: zeta in vehicle axes, C_v^b = M' exp(-[zeta x])"),
+              .about("unknown misalignment: zeta in vehicle axes, C_v^b = M' exp(-[zeta x])"),
           vector("misalignment_sigma", "rad", 3)
               .at_least(0)
               .at_most(1)
               .defaults("[0, 0, 0]")
-              .about("standard deviation of what is drawn once a run and added to it")};
+              .about("standard deviation of an additional misalignment, drawn once per run")};
 }
 
 Shaking read_shaking(const Parameters& parameters) { return {parameters.number("accel"), parameters.number("rate")}; }
@@ -80,15 +81,14 @@ Shaking read_shaking(const Parameters& parameters) { return {parameters.number("
 }  // namespace
 
 std::vector<ParameterSpec> body_parameters() {
-  return {
-      object("ride", ride_members()).defaults("{}").about("how the body moves against the path; nothing unless given"),
-      object("boarding", boarding_members()).defaults("{}").about("people who get in and out at stops"),
-      object("shaking", shaking_members()).defaults("{}").about("vibration that the sensor feels; none unless given"),
-      vector("lever_arm", "m", 3)
-          .formerly("arm")
-          .defaults("[0, 0, 0]")
-          .about("from the point that follows the path, such as the rear axle, to the IMU: vehicle axes"),
-      object("mounting", mounting_members()).defaults("{}").about("how the IMU's axes lie in the vehicle")};
+  return {object("ride", ride_members()).defaults("{}").about("motion of the body relative to the path; default: none"),
+          object("boarding", boarding_members()).defaults("{}").about("disturbances by passengers who board at stops"),
+          object("shaking", shaking_members()).defaults("{}").about("vibration of the sensor; default: none"),
+          vector("lever_arm", "m", 3)
+              .formerly("arm")
+              .defaults("[0, 0, 0]")
+              .about("lever arm from the point that follows the path, such as the rear axle, to the IMU, vehicle axes"),
+          object("mounting", mounting_members()).defaults("{}").about("orientation of the IMU's axes in the vehicle")};
 }
 
 BodyModel read_body(const Parameters& parameters) {

@@ -30,7 +30,7 @@ std::vector<ParameterSpec> start_members() {
       number("lat", "rad").at_least(-89.0 * degree).at_most(89.0 * degree).required().about("geodetic latitude"),
       number("lon", "rad").defaults("0").about("longitude"),
       number("height", "m").defaults("0").about("height above the ellipsoid"),
-      number("heading", "rad").defaults("0").about("heading, from north to east"),
+      number("heading", "rad").defaults("0").about("heading, clockwise from north"),
       number("speed", "m/s").at_least(0).defaults("0").about("speed at the start"),
   };
 }
@@ -48,10 +48,10 @@ std::vector<ParameterSpec> gnss_members() {
           .about("standard deviation of the white velocity error: north, east, down"),
       vector("reported_position_sigma", "m", 3)
           .at_least(0)
-          .about("what the receiver states as position_sd_*; position_sigma unless given"),
+          .about("reported standard deviations position_sd_*; default: position_sigma"),
       vector("reported_velocity_sigma", "m/s", 3)
           .at_least(0)
-          .about("what the receiver states as velocity_sd_*; velocity_sigma unless given"),
+          .about("reported standard deviations velocity_sd_*; default: velocity_sigma"),
       vector("lever_arm", "m", 3)
           .formerly("arm")
           .defaults("[0, 0, 0]")
@@ -62,8 +62,11 @@ std::vector<ParameterSpec> gnss_members() {
 std::vector<ParameterSpec> initial_members() {
   using namespace parameter;
   return {
-      vector("position", "m", 3).at_least(0).defaults("[1.5, 1.5, 3]").about("north, east, down"),
-      vector("velocity", "m/s", 3).at_least(0).defaults("[0.05, 0.05, 0.05]").about("north, east, down"),
+      vector("position", "m", 3).at_least(0).defaults("[1.5, 1.5, 3]").about("position error: north, east, down"),
+      vector("velocity", "m/s", 3)
+          .at_least(0)
+          .defaults("[0.05, 0.05, 0.05]")
+          .about("velocity error: north, east, down"),
       number("tilt", "rad").at_least(0).defaults("\"0.1 deg\"").about("attitude error about north and about east"),
       number("heading", "rad").at_least(0).defaults("\"1 deg\"").about("attitude error about down"),
   };
@@ -80,42 +83,47 @@ SensorDefaults accel_defaults() {
 std::vector<ParameterSpec> component_parameters() {
   using namespace parameter;
   std::vector<ParameterSpec> parameters = {
-      object("start", start_members()).required().about("where and how the drive starts"),
-      time("start_time").defaults("0").about("time of the start on the clock of the run"),
+      object("start", start_members()).required().about("initial position and motion of the vehicle"),
+      time("start_time").defaults("0").about("start time on the run's clock"),
       list("segments", object("segment", segment_members()))
           .required()
-          .about("the drive, one manoeuvre after another; see the README for which keys each takes"),
-      integer("repeat").at_least(1).at_most(10000).defaults("1").about("how often the list of segments is driven"),
+          .about("sequence of manoeuvres; the README lists the keys of each"),
+      integer("repeat").at_least(1).at_most(10000).defaults("1").about(
+          "number of times the list of segments is driven"),
       time("ramp").at_least(0.01).defaults("\"2 s\"").about(
-          "how long a manoeuvre takes to build up and to fade out, half of its duration at most"),
+          "time in which a manoeuvre builds up and fades out, at most half of its duration"),
       number("roll_gradient", "rad*s^2/m")
           .defaults("0")
-          .about("lean away from the turn per lateral acceleration; \"4 deg/g\" is a car"),
+          .about("roll out of the turn per lateral acceleration; a car: \"4 deg/g\""),
       number("pitch_gradient", "rad*s^2/m")
           .defaults("0")
-          .about("nose up per acceleration along the path; \"1.5 deg/g\" is a car"),
-      number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("200").about("samples of the channel imu"),
+          .about("pitch up per acceleration along the path; a car: \"1.5 deg/g\""),
+      number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("200").about("sample rate of the channel imu"),
       choice("imu_kind", {"increment", "rate"})
           .defaults("\"increment\"")
-          .about("what imu carries: integrals over the interval, or means"),
-      number("gnss_rate", "Hz").at_least(0).at_most(1000).defaults("1").about("fixes, the first at the start; 0: none"),
+          .about("content of imu: integrals over the interval, or means"),
+      number("gnss_rate", "Hz")
+          .at_least(0)
+          .at_most(1000)
+          .defaults("1")
+          .about("rate of fixes, the first at the start; 0: none"),
       number("truth_rate", "Hz")
           .at_least(0)
           .at_most(1e5)
           .defaults("10")
-          .about("truth, the first at the start; 0: none"),
+          .about("rate of truth samples, the first at the start; 0: none"),
       boolean("perfect").defaults("false").about(
-          "no errors at all; the stated standard deviations and covariance stay as they are"),
+          "true: no errors; the reported standard deviations and covariance do not change"),
       object("gyro", sensor_members("rad/s", "rad/sqrt(s)", gyro_defaults()))
           .defaults("{}")
           .about("errors of the gyroscopes"),
       object("accel", sensor_members("m/s^2", "m/s/sqrt(s)", accel_defaults()))
           .defaults("{}")
           .about("errors of the accelerometers"),
-      object("gnss", gnss_members()).defaults("{}").about("errors of the fixes, and the antenna"),
+      object("gnss", gnss_members()).defaults("{}").about("errors of the fixes, and position of the antenna"),
       object("initial_sigma", initial_members())
           .defaults("{}")
-          .about("standard deviations of the estimate on the channel initial: its errors are drawn from them"),
+          .about("standard deviations of the estimate on the channel initial, from which its errors are drawn"),
   };
   for (ParameterSpec& parameter : body_parameters()) parameters.push_back(std::move(parameter));
   return parameters;
@@ -126,7 +134,7 @@ std::vector<ParameterSpec> component_parameters() {
 ComponentSpec declare_component() {
   ComponentSpec spec;
   spec.type = "vehicle_simulator";
-  spec.summary = "A drive made of segments: IMU samples, GNSS fixes, truth, and an initial estimate";
+  spec.summary = "A drive made of segments: IMU samples, GNSS fixes, truth and an initial estimate";
   spec.source =
       "P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "(5.53), (5.41), (2.22) and (2.58), solved for specific force and angular rate";

@@ -220,13 +220,14 @@ std::vector<ParameterSpec> segment_members() {
   return {
       choice("do", {"still", "straight", "accelerate", "turn", "climb"})
           .required()
-          .about("still: stand; straight: keep speed and heading; the others change one of speed, heading, "
-                 "height"),
+          .about(
+              "still: stand still; straight: keep speed and heading; the others change one of speed, heading, height"),
       time("duration")
           .at_least(shortest)
           .at_most(longest)
-          .about("length in time; of accelerate and turn it may follow from the other two"),
-      number("acceleration", "m/s^2").about("accelerate: along the path between the ramps, negative to brake"),
+          .about("duration; for accelerate and turn it may follow from the other two keys"),
+      number("acceleration", "m/s^2")
+          .about("accelerate: acceleration along the path between the ramps, negative to brake"),
       number("to", "m/s").at_least(0).about("accelerate: speed at the end"),
       number("angle", "rad").about("turn: change of heading, positive to the right"),
       number("rate", "rad/s").about("turn: rate between the ramps, positive to the right"),
@@ -235,7 +236,8 @@ std::vector<ParameterSpec> segment_members() {
           .at_most(steepest)
           .about("climb: slope between the ramps, uphill positive"),
       number("height", "m").about("climb: height gained over the segment, which begins and ends level"),
-      time("ramp").at_least(0.01).about("length of each of the two ramps of this segment, in place of the common one"),
+      time("ramp").at_least(0.01).about(
+          "duration of each of the two ramps of this segment, instead of the common 'ramp'"),
   };
 }
 

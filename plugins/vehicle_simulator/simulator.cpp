@@ -94,7 +94,7 @@ ComponentSpec VehicleSimulator::spec() { return declare_component(); }
 void VehicleSimulator::open(Reporter&) {
   trajectory_ = std::make_unique<const Trajectory>(start_, segments_, suspension_);
   if (!(trajectory_->largest_latitude() < nearest_to_pole))
-    throw ComponentError("the drive comes within 0.5 deg of a pole, where north and east lose their meaning",
+    throw ComponentError("the drive comes within 0.5 deg of a pole, where north and east are not defined",
                          "/start/lat");
 }
 

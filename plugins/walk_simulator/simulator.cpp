@@ -22,36 +22,44 @@ constexpr double degree = std::numbers::pi / 180.0;
 std::vector<ParameterSpec> gait_members() {
   using namespace parameter;
   return {
-      number("stride", "m").above(0).at_most(4).defaults("1.4").about("from a footprint to the next of the same foot"),
+      number("stride", "m")
+          .above(0)
+          .at_most(4)
+          .defaults("1.4")
+          .about("distance between two footprints of the same foot"),
       parameter::time("cycle")
           .at_least(0.2)
           .at_most(10)
           .defaults("\"1.1 s\"")
-          .about("of a swing and the stance after it"),
+          .about("duration of a swing and the following stance"),
       number("stance", "1")
           .at_least(0.05)
           .at_most(0.9)
           .defaults("0.4")
-          .about("share of the cycle that the foot stands"),
-      number("lift", "m").at_least(0).at_most(1).defaults("0.12").about("of the foot in mid-swing"),
-      number("outward", "m").at_least(-1).at_most(1).defaults("0.03").about("to the right in mid-swing"),
+          .about("fraction of the cycle in which the foot stands"),
+      number("lift", "m").at_least(0).at_most(1).defaults("0.12").about("height of the foot in mid-swing"),
+      number("outward", "m").at_least(-1).at_most(1).defaults("0.03").about("displacement to the right in mid-swing"),
       number("toe_off", "rad")
           .at_least(0)
           .at_most(80 * degree)
           .defaults("\"60 deg\"")
-          .about("toes down, early in the swing"),
-      number("heel_strike", "rad").at_least(0).at_most(80 * degree).defaults("\"25 deg\"").about("toes up, late in it"),
+          .about("pitch with toes down, early in the swing"),
+      number("heel_strike", "rad")
+          .at_least(0)
+          .at_most(80 * degree)
+          .defaults("\"25 deg\"")
+          .about("pitch with toes up, late in the swing"),
   };
 }
 
 std::vector<ParameterSpec> leg_members() {
   using namespace parameter;
   return {
-      choice("do", {"stand", "walk"}).required().about("what the foot does"),
-      parameter::time("duration").above(0).at_most(1e5).about("of 'stand'"),
-      integer("strides").at_least(1).at_most(100000).about("of 'walk'"),
-      number("turn", "rad").about("of 'walk': change of heading over all strides, to the right"),
-      number("climb", "m").about("of 'walk': change of height over all strides"),
+      choice("do", {"stand", "walk"}).required().about("type of the leg"),
+      parameter::time("duration").above(0).at_most(1e5).about("duration of 'stand'"),
+      integer("strides").at_least(1).at_most(100000).about("number of strides of 'walk'"),
+      number("turn", "rad").about("change of heading over all strides of 'walk', positive to the right"),
+      number("climb", "m").about("change of height over all strides of 'walk'"),
   };
 }
 
@@ -60,16 +68,16 @@ std::vector<ParameterSpec> start_members() {
   return {
       number("lat", "rad").at_least(-85.0 * degree).at_most(85.0 * degree).required().about("geodetic latitude"),
       number("lon", "rad").defaults("0").about("longitude"),
-      number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("above the ellipsoid"),
-      number("heading", "rad").defaults("0").about("from north to east"),
+      number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("height above the ellipsoid"),
+      number("heading", "rad").defaults("0").about("heading, clockwise from north"),
   };
 }
 
 std::vector<ParameterSpec> initial_members() {
   using namespace parameter;
   return {
-      vector("position", "m", 3).at_least(0).defaults("0.01").about("north, east, down"),
-      vector("velocity", "m/s", 3).at_least(0).defaults("0.001").about("north, east, down"),
+      vector("position", "m", 3).at_least(0).defaults("0.01").about("position error: north, east, down"),
+      vector("velocity", "m/s", 3).at_least(0).defaults("0.001").about("velocity error: north, east, down"),
       number("tilt", "rad").at_least(0).defaults("\"0.1 deg\"").about("attitude error about north and about east"),
       number("heading", "rad").at_least(0).defaults("\"1 deg\"").about("attitude error about down"),
   };
@@ -132,26 +140,26 @@ ComponentSpec WalkSimulator::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "walk_simulator";
-  spec.summary = "A walk as an inertial sensor on one foot measures it, truth, and an initial estimate.";
+  spec.summary = "A walk: samples of an inertial sensor on one foot, truth and an initial estimate.";
   spec.source =
       "I. Skog, P. Händel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detection: an algorithm evaluation, IEEE Trans. "
       "Biomed. Eng. 57 (2010), for what a foot does; Groves (5.53), (5.41) for what the sensor measures";
   spec.parameters = {
-      object("start", start_members()).required().about("where the foot stands at first, and where its toes point"),
-      parameter::time("start_time").defaults("0").about("of the run's clock"),
-      list("legs", object("leg", leg_members())).required().about("the walk, one leg after another"),
-      integer("repeat").at_least(1).at_most(10000).defaults("1").about("how often the list of legs is walked"),
-      object("gait", gait_members()).defaults("{}").about("how the foot goes"),
-      number("imu_rate", "Hz").at_least(20).at_most(1e4).defaults("200").about("samples of the channel imu"),
+      object("start", start_members()).required().about("initial position and heading of the foot"),
+      parameter::time("start_time").defaults("0").about("start time on the run's clock"),
+      list("legs", object("leg", leg_members())).required().about("sequence of legs"),
+      integer("repeat").at_least(1).at_most(10000).defaults("1").about("number of times the list of legs is walked"),
+      object("gait", gait_members()).defaults("{}").about("gait of the foot"),
+      number("imu_rate", "Hz").at_least(20).at_most(1e4).defaults("200").about("sample rate of the channel imu"),
       choice("imu_kind", {"increment", "rate"})
           .defaults("\"increment\"")
-          .about("integrals over the interval, or means"),
+          .about("content of imu: integrals over the interval, or means"),
       number("truth_rate", "Hz")
           .at_least(0)
           .at_most(1e4)
           .defaults("20")
-          .about("truth, the first at the start; 0: none"),
-      boolean("perfect").defaults("false").about("no errors at all; the stated covariance stays as it is"),
+          .about("rate of truth samples, the first at the start; 0: none"),
+      boolean("perfect").defaults("false").about("true: no errors; the reported covariance does not change"),
       object("gyro", simulation::sensor_members("rad/s", "rad/sqrt(s)",
                                                 {"\"100 deg/h\"", "\"5 deg/h\"", "\"300 s\"", "\"0.3 deg/sqrt(h)\"",
                                                  "\"300 ppm\""}))
@@ -164,7 +172,7 @@ ComponentSpec WalkSimulator::spec() {
           .about("errors of the accelerometers"),
       object("initial_sigma", initial_members())
           .defaults("{}")
-          .about("standard deviations of the estimate on the channel initial: its errors are drawn from them"),
+          .about("standard deviations of the estimate on the channel initial, from which its errors are drawn"),
   };
   spec.example = R"json({"start": {"lat": "59.35 deg", "lon": "18.07 deg"},
     "legs": [{"do": "stand", "duration": "5 s"}, {"do": "walk", "strides": 10, "turn": "90 deg"}]})json";

@@ -46,7 +46,7 @@ binnacle_status keep_what_is_handled(const std::string& function) {
   } catch (const std::exception& error) {
     keep(function + ": internal: " + error.what());
   } catch (...) {
-    keep(function + ": internal: something was thrown that is no std::exception");
+    keep(function + ": internal: something was thrown that is not a std::exception");
   }
   return BINNACLE_INTERNAL;
 }

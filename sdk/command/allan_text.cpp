@@ -110,17 +110,18 @@ std::string allan_text(const AllanChannel& channel) {
   std::string text = fmt::format("{}: {} samples, one each {} s, over {} s\n", channel.name, channel.samples,
                                  figure(channel.interval), figure(channel.seconds));
   if (channel.gaps > 0)
-    text += fmt::format("  {} of together {} s; averages do not reach over them\n",
+    text += fmt::format("  {} of together {} s; averages do not span them\n",
                         counted(static_cast<std::size_t>(channel.gaps), "gap"), figure(channel.missing));
   if (channel.repeated > 0)
-    text += fmt::format("  {} left out, less than half an interval after the one before, or not after it\n",
-                        counted(static_cast<std::size_t>(channel.repeated), "sample"));
+    text += fmt::format(
+        "  {} skipped, because they are less than half an interval after the previous one, or not after it\n",
+        counted(static_cast<std::size_t>(channel.repeated), "sample"));
   Table table("llrrrlrl");
   table.row({"field", "term", "value", "95 % from", "to", "unit", "", "usual unit"});
   Table absent("llrl");
   for (const AllanField& field : channel.fields) {
     if (field.invalid > 0)
-      text += fmt::format("  {}: {} not finite; averages do not reach over them\n", field.name,
+      text += fmt::format("  {}: {} not finite; averages do not span them\n", field.name,
                           counted(static_cast<std::size_t>(field.invalid), "value"));
     if (field.fit.used == 0) text += fmt::format("  {}: the record is too short, or constant\n", field.name);
     std::string name = field.name;
@@ -132,7 +133,8 @@ std::string allan_text(const AllanChannel& channel) {
     }
     if (field.fit.chi_square > 3)
       text += fmt::format(
-          "  {}: no sum of these terms fits (chi-square {} per degree of freedom): it moves, or drifts otherwise\n",
+          "  {}: no sum of these terms fits (chi-square {} per degree of freedom): it is not stationary, or drifts in "
+          "another way\n",
           field.name, figure(field.fit.chi_square));
     name = field.name;
     for (int t = 0; t < allan::term_count && field.fit.used > 0; ++t) {
@@ -142,7 +144,7 @@ std::string allan_text(const AllanChannel& channel) {
                     unit_of(term, field.unit) + ", " + why_absent(term, channel, field)});
     }
   }
-  return text + "\n" + table.text() + (absent.empty() ? "" : "\nNot shown by this record:\n" + absent.text());
+  return text + "\n" + table.text() + (absent.empty() ? "" : "\nNot determined by this record:\n" + absent.text());
 }
 
 namespace {

@@ -54,18 +54,20 @@ int allan_of(const Options& options) {
 
 Verb allan_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("allan", "The noise of a channel by its Allan deviation");
+  CLI::App* app = command.add_subcommand("allan", "Determine the noise of a channel from its Allan deviation");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
-  app->add_option("--channel", options->channel, "The channel, such as imu")->type_name("NAME")->required();
-  app->add_option("--overlap", options->full, "Averages overlap fully up to so many seconds, beyond by 15/16 or more")
+  app->add_option("--channel", options->channel, "Channel, such as imu")->type_name("NAME")->required();
+  app->add_option(
+         "--overlap", options->full,
+         "Largest averaging time in seconds with fully overlapping averages; longer averages overlap by at least 15/16")
       ->type_name("S")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--seed", options->seed, "Seed of everything random")->type_name("N")->capture_default_str();
-  app->add_option("--picture", options->picture, "Write the deviations as a picture")->type_name("FILE.svg");
-  app->add_flag("--json", options->json, "The figures as JSON on stdout");
+  app->add_option("--seed", options->seed, "Seed of all random numbers")->type_name("N")->capture_default_str();
+  app->add_option("--picture", options->picture, "Write a plot of the deviations")->type_name("FILE.svg");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
   return {app, [options] { return allan_of(*options); }};
 }
 

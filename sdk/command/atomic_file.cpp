@@ -71,15 +71,14 @@ AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : targ
     throw UsageError(fmt::format("cannot write '{}': it is a folder", target_.string()));
   is_direct_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   if (is_direct_ && temporary == Temporary::named)
-    throw UsageError(fmt::format("cannot write '{}': it is no regular file", target_.string()));
+    throw UsageError(fmt::format("cannot write '{}': it is not a regular file", target_.string()));
   if (is_direct_) {
     // Nobody waits for a reader who may never come.
     file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0 && errno == ENXIO && std::filesystem::is_fifo(status))
-      throw UsageError(
-          fmt::format("cannot write '{}': it is a FIFO that nobody reads from; name a regular file, or start "
-                      "the reader first",
-                      target_.string()));
+      throw UsageError(fmt::format(
+          "cannot write '{}': it is a FIFO without a reader; name a regular file, or start the reader first",
+          target_.string()));
   } else {
     open_temporary(temporary);
   }
@@ -113,7 +112,7 @@ void AtomicFile::fail(const std::string& why) const { throw OutputError(could_no
 void AtomicFile::wait_for_reader() const {
   constexpr int look_again = 100;  // ms
   pollfd pipe{file_, POLLOUT, 0};
-  if (interrupted_by() != 0) fail("interrupted, and its reader does not read");
+  if (interrupted_by() != 0) fail("interrupted while its reader does not read");
   ::poll(&pipe, 1, look_again);
 }
 

@@ -189,35 +189,35 @@ int create(const TypeOptions& options) {
 
 Verb list_verb(CLI::App& command) {
   const auto options = std::make_shared<ListOptions>();
-  CLI::App* app = command.add_subcommand("list", "The component types that there are");
+  CLI::App* app = command.add_subcommand("list", "List the component types");
   app->add_option("ROLE", options->role,
-                  "Only those: block, process, measurement, derived, noise, source, transform, sink");
-  app->add_flag("--plugins", options->plugins, "The plugins, their versions and files instead");
+                  "List only one role: block, process, measurement, derived, noise, source, transform, sink");
+  app->add_flag("--plugins", options->plugins, "List the plugins, with their versions and files");
   app->add_flag("--json", options->json, "As JSON");
   return {app, [options] { return list(*options); }};
 }
 
 Verb describe_verb(CLI::App& command) {
   const auto options = std::make_shared<TypeOptions>();
-  CLI::App* app = command.add_subcommand("describe", "One component type: parameters, ports, fields, source");
-  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->expected(1);
-  app->add_flag("--all", options->all, "Every type and the kernel's own keys, as one Markdown page");
-  app->add_flag("--json", options->json, "As a JSON object; an array where the name means several types");
+  CLI::App* app = command.add_subcommand("describe", "Describe a component type: parameters, ports, fields, source");
+  app->add_option("TYPE", options->types, "Component type, for example \"vector\" or \"core/vector\"")->expected(1);
+  app->add_flag("--all", options->all, "Describe all types and the kernel's own keys, as one Markdown page");
+  app->add_flag("--json", options->json, "Print JSON: an object, or an array if several types have the name");
   return {app, [options] { return describe_types(*options); }};
 }
 
 Verb create_verb(CLI::App& command) {
   const auto options = std::make_shared<TypeOptions>();
-  CLI::App* app = command.add_subcommand("create", "The skeleton of a config with components of these types");
-  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->required();
-  app->add_flag("--json", options->json, "Without comments");
+  CLI::App* app = command.add_subcommand("create", "Print the skeleton of a config with components of these types");
+  app->add_option("TYPE", options->types, "Component type, for example \"vector\" or \"core/vector\"")->required();
+  app->add_flag("--json", options->json, "Omit the comments");
   return {app, [options] { return create(*options); }};
 }
 
 Verb schema_verb(CLI::App& command) {
-  CLI::App* app = command.add_subcommand("schema", "JSON Schema (draft-07) of configs, for editors");
+  CLI::App* app = command.add_subcommand("schema", "Print the JSON Schema (draft-07) of configs, for editors");
   const auto json = std::make_shared<bool>(false);
-  app->add_flag("--json", *json, "Changes nothing: a schema is JSON");
+  app->add_flag("--json", *json, "No effect: a schema is always JSON");
   return {app, [json] {
             int status = ok;
             const Catalog catalog = load_catalog(status);

@@ -49,11 +49,11 @@ int check(const Options& options) {
 
 Verb check_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("check", "Every error of the configs, or nothing");
+  CLI::App* app = command.add_subcommand("check", "Check configs and print all errors");
   app->add_option("CONFIG", options->configs, "Configs")->required();
   options->config.add_to(*app);
-  app->add_flag("--json", options->json, "Errors and warnings as a JSON array on stdout");
-  app->add_flag("--quiet", options->quiet, "No warnings of a config that is right");
+  app->add_flag("--json", options->json, "Print errors and warnings as a JSON array on stdout");
+  app->add_flag("--quiet", options->quiet, "Print only errors, no warnings");
   return {app, [options] { return check(*options); }};
 }
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 Time time_of(std::string_view text) {
   const auto quantity = parse_quantity(text);
   const auto refuse = [&](const std::string& why) {
-    throw UsageError(fmt::format("--checkpoint FILE@TIME: '{}' is no time between checkpoints: {}", text, why));
+    throw UsageError(fmt::format("--checkpoint FILE@TIME: '{}' is not a time between checkpoints: {}", text, why));
   };
   if (!quantity) refuse(quantity.error());
   if (quantity->dimension.is_dimensionless()) refuse(fmt::format("the unit is missing; is {}s meant?", text));
@@ -33,9 +33,9 @@ Time time_of(std::string_view text) {
 }  // namespace
 
 void CheckpointFiles::add_to(CLI::App& app) {
-  app.add_option("--checkpoint", text_, "Keep a checkpoint of the run in FILE, every 60 s of its time, or as @ says")
+  app.add_option("--checkpoint", text_, "Write a checkpoint of the run to FILE every 60 s of its time, or every TIME")
       ->type_name("FILE[@60s]");
-  app.add_option("--resume", resume_text_, "Go on from a checkpoint")->type_name("FILE");
+  app.add_option("--resume", resume_text_, "Continue from a checkpoint")->type_name("FILE");
 }
 
 void CheckpointFiles::open() {
@@ -47,7 +47,7 @@ void CheckpointFiles::open() {
   if (!keep_.empty()) AtomicFile(fs::path(keep_));  // a bad name is reported at once
   if (resume_.empty()) return;
   if (wording::is_special_file(resume_))
-    throw UsageError(fmt::format("--resume: '{}' is no regular file", resume_.string()));
+    throw UsageError(fmt::format("--resume: '{}' is not a regular file", resume_.string()));
   std::ifstream file(resume_, std::ios::binary);
   if (!file) throw UsageError(fmt::format("--resume: there is no checkpoint '{}'", resume_.string()));
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -71,7 +71,7 @@ Checkpoints CheckpointFiles::checkpoints() const {
 
 std::string CheckpointFiles::advice() const {
   const fs::path& last = keep_.empty() ? resume_ : keep_;
-  return last.empty() ? "" : fmt::format("; go on with --resume {}", last.string());
+  return last.empty() ? "" : fmt::format("; continue with --resume {}", last.string());
 }
 
 void CheckpointFiles::remove() const {

@@ -34,7 +34,7 @@ int hand_over(const CLI::App& app) {
 
 Verb conform_verb(CLI::App& command) {
   CLI::App* app =
-      command.add_subcommand("conform", "Hold a plugin library against the contract (more: conform --help)");
+      command.add_subcommand("conform", "Test a plugin library against the plugin contract (details: conform --help)");
   app->prefix_command();  // everything that follows is the suite's
   app->set_help_flag();
   return {app, [app] { return hand_over(*app); }};

@@ -73,13 +73,13 @@ int analyse(const Options& options) {
 Verb covariance_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app =
-      command.add_subcommand("covariance", "What a filter's errors will be, from covariances alone: no data");
-  app->add_option("CONFIG", options->config_path, "The config, with its \"covariance\"")->required();
+      command.add_subcommand("covariance", "Predict a filter's errors from covariances alone, without data");
+  app->add_option("CONFIG", options->config_path, "Config with the section \"covariance\"")->required();
   options->config.add_to(*app);
-  app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
-  app->add_flag("--budget", options->budget, "Also each source's share of every final variance");
-  app->add_flag("--json", options->json, "The figures as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors only: no warnings or tables");
+  app->add_option("--summary", options->summary, "Write the figures as JSON to a file")->type_name("FILE.json");
+  app->add_flag("--budget", options->budget, "Also print the share of each error source in every final variance");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Print only errors: no warnings or tables");
   return {app, [options] { return analyse(*options); }};
 }
 

@@ -294,7 +294,8 @@ int explain(const Options& options) {
 
 Verb explain_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("explain", "A dry run: state layout, who couples to whom, channels");
+  CLI::App* app =
+      command.add_subcommand("explain", "Explain a composition without running it: state layout, couplings, channels");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);

@@ -156,43 +156,45 @@ int export_results(Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("DIR", options.folder, "The folder that was given to --out of run")->required();
-  app.add_option("--to", options.format, "Format of the file: kml, gpx, pos (RTKLIB), nmea or csv")
+  app.add_option("DIR", options.folder, "Folder of --out of run")->required();
+  app.add_option("--to", options.format, "Format: kml, gpx, pos (RTKLIB), nmea or csv")
       ->required()
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"kml", "gpx", "pos", "nmea", "csv"}));
-  app.add_option("-o,--output", options.output, "Write it there instead of DIR/FILTER.FORMAT")->type_name("FILE");
-  app.add_option("--filter", options.request.filter, "Of this filter, where there are several")->type_name("NAME");
-  app.add_option("--rate", options.rate, "No more than so many records a second: 1, \"10 Hz\"")->type_name("RATE");
-  app.add_option("--every", options.every, "Each n-th record")->type_name("N");
+  app.add_option("-o,--output", options.output, "Output file, instead of DIR/FILTER.FORMAT")->type_name("FILE");
+  app.add_option("--filter", options.request.filter, "Filter, if there are several")->type_name("NAME");
+  app.add_option("--rate", options.rate, "Largest number of records per second: 1, \"10 Hz\"")->type_name("RATE");
+  app.add_option("--every", options.every, "Write every n-th record")->type_name("N");
   app.add_option("--columns", options.request.columns,
-                 "csv: these columns, separated by commas: utc, BLOCK, BLOCK.OUTPUT, BLOCK.OUTPUT.sigma")
+                 "csv: columns, separated by commas: utc, BLOCK, BLOCK.OUTPUT, BLOCK.OUTPUT.sigma")
       ->type_name("NAMES")
       ->delimiter(',');
   app.add_flag("--local", options.request.is_local,
                "csv: position in metres north, east, down of --origin, the config's origin or the first record");
-  app.add_option("--origin", options.origin, "Where local axes begin, degrees and metres above the ellipsoid")
+  app.add_option("--origin", options.origin, "Origin of the local axes, in degrees and metres above the ellipsoid")
       ->type_name("LAT,LON,HEIGHT");
-  app.add_flag("--colour", options.request.is_coloured, "kml: coloured by the horizontal 1-sigma of the filter");
+  app.add_flag("--colour", options.request.is_coloured,
+               "kml: colour the track by the horizontal 1-sigma of the filter");
   app.add_option("--geoid-separation", options.geoid_separation,
-                 "Height of the geoid above the ellipsoid: kml, gpx and nmea have heights above the sea")
+                 "Height of the geoid above the ellipsoid, for heights above sea level in kml, gpx and nmea")
       ->type_name("M");
-  app.add_option("--week", options.week, "Time counts GPS time from the begin of this GPS week; 0: from 1980-01-06")
+  app.add_option("--week", options.week,
+                 "GPS week at whose start the time of the data is zero, in GPS time; 0: 1980-01-06")
       ->type_name("N")
       ->check(CLI::Range(0, 9999));
-  app.add_option("--epoch", options.request.time.epoch, "Time counts seconds of UTC from this instant")
+  app.add_option("--epoch", options.request.time.epoch, "Instant at which the time of the data is zero, in UTC")
       ->type_name("INSTANT");
-  app.add_option("--leap-seconds", options.leap_seconds, "GPS time minus UTC, instead of by date")
+  app.add_option("--leap-seconds", options.leap_seconds, "GPS time minus UTC, instead of the value for the date")
       ->type_name("S")
       ->check(CLI::Range(0, 100));
-  app.add_flag("--json", options.json, "Where the file is and what is in it, as JSON on stdout");
+  app.add_flag("--json", options.json, "Print the file name and its contents as JSON on stdout");
 }
 
 }  // namespace
 
 Verb export_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("export", "The results of run --out for maps and other programs");
+  CLI::App* app = command.add_subcommand("export", "Convert the results of run --out for maps and other programs");
   add_options(*app, *options);
   return {app, [options] { return export_results(*options); }};
 }

@@ -54,7 +54,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : path_(folder / ".b
         continue;
       }
       if (errno != EWOULDBLOCK) refuse(fmt::format("it cannot be locked: {}", std::strerror(errno)));
-      refuse(fmt::format("{} is writing there; wait for its end, or give another --out", holder_in(file_)));
+      refuse(fmt::format("{} is writing there; wait until it ends, or give another --out", holder_in(file_)));
     }
     if (is_at(file_, path_)) break;
     ::close(file_);

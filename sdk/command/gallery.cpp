@@ -104,8 +104,9 @@ class Companions {
     const fs::path file = (from / name).lexically_normal();
     std::error_code error;
     if (*file.begin() == ".." || key == "plugins" || (key == "path" && fs::is_directory(folder_ / file, error)))
-      throw UsageError(fmt::format("'{}' needs '{}', which does not come along; run it where it is, or copy its folder",
-                                   example_.name, name));
+      throw UsageError(
+          fmt::format("'{}' needs '{}', which is not copied; run the example in its folder, or copy this folder",
+                      example_.name, name));
     if (!is_extended && !fs::is_regular_file(folder_ / file, error)) return;
     if (file == example_.config.filename() || std::find(files_.begin(), files_.end(), file) != files_.end()) return;
     files_.push_back(file);

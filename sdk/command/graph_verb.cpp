@@ -100,15 +100,17 @@ int graph(const Options& options) {
 
 Verb graph_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("graph", "The composition as a graph, in DOT or SVG; its matrices' sparsity");
+  CLI::App* app =
+      command.add_subcommand("graph",
+                             "Print the composition as a graph in DOT or SVG, and the sparsity of its matrices");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
-  app->add_option("--svg", options->svg, "Draw it with Graphviz instead of printing DOT")->type_name("FILE.svg");
+  app->add_option("--svg", options->svg, "Draw the graph with Graphviz instead of printing DOT")->type_name("FILE.svg");
   app->add_option("--sparsity", options->sparsity,
-                  "Draw the state layout and which blocks of the transition, noise and measurement matrices there are")
+                  "Draw the state layout and the non-zero blocks of the transition, noise and measurement matrices")
       ->type_name("FILE.svg");
-  app->add_flag("--json", options->json, "The DOT text as a JSON object");
+  app->add_flag("--json", options->json, "Print the DOT text as a JSON object");
   return {app, [options] { return graph(*options); }};
 }
 

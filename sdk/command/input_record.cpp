@@ -65,7 +65,7 @@ double number_of(const Json& json) {
   const double infinity = std::numeric_limits<double>::infinity();
   if (json == "inf") return infinity;
   if (json == "-inf") return -infinity;
-  throw std::runtime_error("'" + json.dump() + "' is no number");
+  throw std::runtime_error("'" + json.dump() + "' is not a number");
 }
 
 void read_list(const Json& list, std::size_t count, std::vector<double>& into) {
@@ -157,7 +157,7 @@ void InputReader::check_head() {
   line_ = 1;
   const Json head = Json::parse(text, nullptr, false);
   if (!head.is_object() || head.value("binnacle_input", 0) != 1)
-    fail("is no recorded input: its first line is not that of `run --record-input`");
+    fail("is not a recorded input: its first line is not that of `run --record-input`");
   const Json own = channels_of(composition_);
   for (const auto& [name, fields] : head.at("channels").items()) {
     if (!own.contains(name)) fail(fmt::format("has channel '{}', which no source of the config emits", name));
@@ -206,7 +206,7 @@ bool InputReader::read(Sample& sample) {
 
 std::string InputReader::warning() const {
   if (!is_cut_) return "";
-  return fmt::format("'{}' ends in the middle of line {}; what was before it was run", path_, line_);
+  return fmt::format("'{}' ends in the middle of line {}; the lines before it were run", path_, line_);
 }
 
 bool InputReader::next(const std::function<void(const Arrival& arrival)>& give) {

@@ -150,8 +150,8 @@ Json receiver_source(const std::string& path) {
     throw DataError(Diagnostic{Severity::error, "B066", {path, 0, 0}, "", why});
   };
   if (!type && kind == inspect::FileKind::rinex)
-    refuse("is a RINEX file, which inspect does not look at: the source 'rinex' reads it");
-  if (!type && kind == inspect::FileKind::binary) refuse("is neither text nor UBX, which inspect looks at");
+    refuse("is a RINEX file, which inspect does not support: the source 'rinex' reads it");
+  if (!type && kind == inspect::FileKind::binary) refuse("is neither text nor UBX");
   if (!type) return nullptr;
   return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
 }

@@ -60,11 +60,11 @@ std::string inspection_text(const inspect::Inspection& inspection) {
   bool has_title = false;
   for (const Finding& found : inspection.findings) {
     if (found.severity != Severity::unknown) continue;
-    if (!has_title) text += "\nWhat these data do not show\n";
+    if (!has_title) text += "\nNot determined by these data\n";
     has_title = true;
     write_one(found, false, text);
   }
-  text += "\nWhat the noise of a sensor is: binnacle allan\n";
+  text += "\nNoise of a sensor: binnacle allan\n";
   return text;
 }
 

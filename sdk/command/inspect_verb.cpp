@@ -63,14 +63,14 @@ int inspect_files(const Options& options) {
 Verb inspect_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app =
-      command.add_subcommand("inspect", "Looks at data before a filter does: units, signs, axes, clocks, mounting");
-  app->add_option("FILE", options->files, "A config, or data files: imu.csv gnss.csv")->required();
+      command.add_subcommand("inspect", "Inspect data before a filter uses them: units, signs, axes, clocks, mounting");
+  app->add_option("FILE", options->files, "A config, or data files such as imu.csv gnss.csv")->required();
   options->config.add_to(*app);
-  app->add_option("--page", options->page, "Write a page with pictures")->type_name("FILE.html");
-  app->add_option("--write", options->proposal, "Write a config with the remedies in it; a lever arm is left to you")
+  app->add_option("--page", options->page, "Write an HTML page with plots")->type_name("FILE.html");
+  app->add_option("--write", options->proposal, "Write a config with the remedies applied; add the lever arm yourself")
       ->type_name("FILE.json");
-  app->add_flag("--strict", options->strict, "Exit status 1 where there is a warning");
-  app->add_flag("--json", options->json, "The findings as JSON on stdout");
+  app->add_flag("--strict", options->strict, "Exit with status 1 if there is a warning");
+  app->add_flag("--json", options->json, "Print the findings as JSON on stdout");
   return {app, [options] { return inspect_files(*options); }};
 }
 

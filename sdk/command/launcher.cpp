@@ -54,8 +54,7 @@ fs::path module() { return fs::read_symlink("/proc/self/exe").parent_path() / ".
 study::JoinTeam find_join(const Launch& launch) {
   std::error_code error;
   if (!fs::exists(module(), error))
-    refuse(launch,
-           "this binnacle has no MPI, so that each would do all of it (built where there is libopenmpi-dev, it has)");
+    refuse(launch, "this binnacle has no MPI, so each would do all runs (build it with libopenmpi-dev installed)");
   // Open MPI has plugins of its own, which look for its symbols among those of all.
   void* const library = dlopen(module().lexically_normal().c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (!library) refuse(launch, fmt::format("MPI cannot be loaded: {}", dlerror()));
@@ -73,7 +72,7 @@ study::Timeouts team_timeouts() {
   char* end = nullptr;
   const double s = std::strtod(text, &end);
   if (*end || !(s >= 1 && s <= 86400))
-    throw UsageError(fmt::format("BINNACLE_MPI_TIMEOUT takes seconds, from 1 to 86400; found '{}'", text));
+    throw UsageError(fmt::format("BINNACLE_MPI_TIMEOUT takes 1 to 86400 seconds; found '{}'", text));
   timeouts.silence = std::chrono::milliseconds(static_cast<long>(1000 * s));
   timeouts.sign_of_life = std::min(timeouts.sign_of_life, timeouts.silence / 5);
   return timeouts;
@@ -85,7 +84,7 @@ std::unique_ptr<study::Team> join_team(const study::Timeouts& timeouts) {
   std::unique_ptr<study::Team> team(
       find_join(started)(timeouts.silence, [](const char* message) { abandon(message); }));
   if (team->size() != started.size)
-    refuse(started, "they do not find each other: they were started by another MPI than this binnacle was built with");
+    refuse(started, "they do not find each other, because another MPI than that of this binnacle started them");
   return team;
 }
 

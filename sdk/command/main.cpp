@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* exit_statuses =
     "Exit status: 0 ok, 1 a check failed or a filter broke, 2 usage, 3 config, 4 plugin, 5 data.\n"
-    "Results go to stdout, errors to stderr. NO_COLOR is honoured.";
+    "Results go to stdout, errors to stderr. NO_COLOR disables colours.";
 
 struct KnownVerb {
   std::string_view name;
@@ -62,7 +62,7 @@ std::string meant(const std::string& word, const std::vector<std::string>& candi
 }
 
 std::string help_hint(const CLI::App* app) {
-  return fmt::format("\nRun 'binnacle {}--help' for what there is.", app ? app->get_name() + " " : "");
+  return fmt::format("\nRun 'binnacle {}--help' for the list.", app ? app->get_name() + " " : "");
 }
 
 void refuse_word(const CLI::App& app, const std::string& word, const std::string& hint) {
@@ -161,7 +161,7 @@ int guarded_main(int argc, char** argv) {
     print_error(std::string("internal: ") + error.what());
     return failed;
   } catch (...) {
-    print_error("internal: something was thrown that is no std::exception");
+    print_error("internal: something was thrown that is not a std::exception");
     return failed;
   }
 }

@@ -77,7 +77,7 @@ void check_kind(const Options& options) {
 void check_name(const std::string& name) {
   if (!is_snake_case(name)) {
     const std::string near = in_snake_case(name);
-    throw UsageError(fmt::format("'{}' is no name in snake_case (a-z, 0-9, _){}", name,
+    throw UsageError(fmt::format("'{}' is not a name in snake_case (a-z, 0-9, _){}", name,
                                  near.empty() ? "" : "; did you mean '" + near + "'?"));
   }
   if (name.size() > longest_name)
@@ -223,19 +223,20 @@ int make(const CLI::App& app, const Options& options) {
 Verb new_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app = command.add_subcommand(
-      "new", "`new filter NAME`: a config to begin with; `new plugin NAME`: a plugin that builds and passes");
+      "new", "Create a config (`new filter NAME`), or a plugin that builds and passes its tests (`new plugin NAME`)");
   app->add_option("WHAT", options->what, "\"filter\" or \"plugin\"")->required();
-  app->add_option("NAME", options->name,
-                  "Of a filter: its config is NAME.json. Of a plugin, in snake_case: its folder and its component too");
-  app->add_option("--from", options->from, "Of a filter: the example, or the config, to copy [loose-ins-gnss]")
+  app->add_option(
+      "NAME", options->name,
+      "Name. Of a filter: the config is NAME.json. Of a plugin, in snake_case: also of its folder and component");
+  app->add_option("--from", options->from, "Filter: the example or config to copy [loose-ins-gnss]")
       ->type_name("EXAMPLE");
-  app->add_flag("--list", options->lists, "Of a filter: the examples that there are");
+  app->add_flag("--list", options->lists, "Filter: list the examples");
   app->add_option("--kind", options->kind,
-                  "Of a plugin: block, process, measurement, noise, derived, source, transform or sink")
+                  "Plugin: block, process, measurement, noise, derived, source, transform or sink")
       ->type_name("KIND")
       ->capture_default_str();
-  app->add_option("--dir", options->folder, "The folder to put it in")->type_name("DIR")->capture_default_str();
-  app->add_flag("--json", options->json, "What was written, as JSON");
+  app->add_option("--dir", options->folder, "Folder for the new files")->type_name("DIR")->capture_default_str();
+  app->add_flag("--json", options->json, "Print the list of written files as JSON");
   return {app, [app, options] { return make(*app, *options); }};
 }
 

@@ -46,7 +46,7 @@ std::string mostly_by(const Json& component) {
 
 std::string components_text(const Json& components) {
   Table table("lrrlrrrl");
-  table.row({"1-sigma at the begin", "before", "after", "", "removed %", "without noise", "known after", "by"});
+  table.row({"1-sigma at the start", "before", "after", "", "removed %", "without noise", "known after", "by"});
   for (const auto& [name, component] : components.items()) {
     const bool is_considered = component.value("considered", false);
     table.row({name + (is_considered ? " (considered)" : ""), figure(component.at("before").get<double>()),
@@ -59,10 +59,10 @@ std::string components_text(const Json& components) {
 }
 
 std::string weak_text(const Json& weak) {
-  if (weak.empty()) return "  Every direction is seen: of each, the samples remove half of the variance or more.\n";
-  std::string text = "  Not seen (of these directions the samples remove less than half of the variance):\n";
+  if (weak.empty()) return "  Every direction is observed: the samples remove at least half of the variance of each.\n";
+  std::string text = "  Not observed (the samples remove less than half of the variance of these directions):\n";
   Table table("lrrl", 4);
-  table.row({"", "removed %", "without noise", "1-sigma that is left, together"});
+  table.row({"", "removed %", "without noise", "1-sigma that remains, together"});
   for (const auto& direction : weak)
     table.row({direction.at("name").get<std::string>(), percent(direction.at("removed").get<double>()),
                percent(direction.at("removed_without_process_noise").get<double>()),
@@ -74,10 +74,11 @@ std::string inconsistent_text(const Json& window) {
   if (window.contains("not_checked"))
     return "  Consistency could not be checked: " + window.at("not_checked").get<std::string>() + ".\n";
   const Json& list = window.at("inconsistent");
-  if (list.empty()) return "  Consistent: along one path the measurements remove what the filter claims.\n";
-  std::string text = "  INCONSISTENT (P shrinks where the measurements along one path see nothing):\n";
+  if (list.empty())
+    return "  Consistent: along one path the measurements remove the variance that the filter reports.\n";
+  std::string text = "  INCONSISTENT (P shrinks where the measurements along one path have no information):\n";
   Table table("lrrrl", 4);
-  table.row({"", "claimed %", "seen %", "since", "1-sigma that is left, together"});
+  table.row({"", "claimed %", "seen %", "since", "1-sigma that remains, together"});
   for (const auto& direction : list)
     table.row({direction.at("name").get<std::string>(), percent(direction.at("claimed").get<double>()),
                percent(direction.at("removed").get<double>()), after(direction.at("since_s")),
@@ -108,7 +109,7 @@ std::string window_text(const Json& window) {
 std::string observability_text(const Json& filters) {
   std::string text;
   for (const auto& [name, windows] : filters.items()) {
-    if (windows.empty()) text += "\nFilter " + name + " was in none of the windows.\n";
+    if (windows.empty()) text += "\nFilter " + name + " is in none of the windows.\n";
     for (const auto& window : windows) text += "\nFilter " + name + ", " + window_text(window);
   }
   return text.empty() ? "There is no filter with measurements.\n" : text.substr(1);

@@ -127,22 +127,23 @@ int observe_config(const Options& options) {
 
 Verb observe_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("observe", "What the measurements of a run show of the state, and what not");
+  CLI::App* app = command.add_subcommand("observe", "Observability of a run: which states its measurements determine");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
   app->add_option("--window", options->windows,
-                  "Instead of the whole run: seconds of the data, or a window of evaluate")
+                  "A time span in seconds of the data, or a window of evaluate, instead of the whole run")
       ->type_name("FROM:TO|NAME")
       ->allow_extra_args(false);
-  app->add_option("--out", options->out, "Record the run as 'run' does, with this on the page")->type_name("DIR");
-  app->add_option("--seed", options->seed, "Seed of everything random")->type_name("N")->capture_default_str();
-  app->add_option("--run", options->run, "Which run of the seed")
+  app->add_option("--out", options->out, "Record the run as 'run' does, with these results on the page")
+      ->type_name("DIR");
+  app->add_option("--seed", options->seed, "Seed of all random numbers")->type_name("N")->capture_default_str();
+  app->add_option("--run", options->run, "Number of the run with this seed")
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
-  app->add_flag("--json", options->json, "The figures as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors only: no warnings or tables");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Print only errors: no warnings or tables");
   return {app, [options] { return observe_config(*options); }};
 }
 

@@ -11,14 +11,14 @@
 namespace binnacle::command {
 
 void ConfigOptions::add_to(CLI::App& app) {
-  app.add_option("--var", vars_, "Value of a variable of the config; relative paths start at the working folder")
+  app.add_option("--var", vars_, "Value of a variable of the config; a relative path starts at the working folder")
       ->type_name("NAME=PATH")
       ->allow_extra_args(false);
-  app.add_option("--set", sets_, "Replace a value of the config, by JSON pointer; VALUE is JSON, else text")
+  app.add_option("--set", sets_, "Replace a value of the config at a JSON pointer; VALUE is JSON, otherwise text")
       ->type_name("PTR=VALUE")
       ->allow_extra_args(false);
   app.add_flag("--allow-plugins", allows_plugins_,
-               "Load what the config's \"plugins\" names, wherever it lies: its code runs");
+               "Load the plugins that the config's \"plugins\" names from any folder: this runs their code");
 }
 
 LoadOptions ConfigOptions::load_options() const {
@@ -34,7 +34,7 @@ LoadOptions ConfigOptions::load_options() const {
 }
 
 void ConfigOptions::add_variant_to(CLI::App& app) {
-  app.add_option("--variant", variant_, "One variant of the config's study")->type_name("NAME");
+  app.add_option("--variant", variant_, "Use one variant of the config's study")->type_name("NAME");
 }
 
 LoadOptions ConfigOptions::load_options(const std::string& config) const {

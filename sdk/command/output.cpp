@@ -106,7 +106,7 @@ void print_diagnostics(const Diagnostics& diagnostics) {
   to_stderr(count_line(diagnostics));
   const auto is_untrusted = [](const Diagnostic& item) { return item.code == "B048"; };
   if (std::ranges::any_of(diagnostics.items(), is_untrusted))
-    print_note("to run that code all the same: " + command_line() + " --allow-plugins");
+    print_note("to run that code: " + command_line() + " --allow-plugins");
 }
 
 void print_diagnostic(const Diagnostic& diagnostic) { to_stderr(line_of(diagnostic)); }

@@ -26,17 +26,15 @@ void RecordFormats::keep_only(const std::string& list) {
     else
       throw UsageError(
           "--only: " +
-          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is no format") +
+          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is not a format") +
           "; expected some of nc, csv, page, with commas between them" +
           wording::suggestion(word, {"nc", "csv", "page"}));
   }
 }
 
 void RecordOptions::add_to(CLI::App& command, CLI::Option* out) {
-  command.add_option("--only", only_, "Of --out: these formats alone, as nc,csv,page")
-      ->type_name("FORMATS")
-      ->needs(out);
-  command.add_option("--compress", compression_, "Of --out: deflate run.nc, 1 (fast) to 9 (small); 0: not at all")
+  command.add_option("--only", only_, "Only these formats of --out, as nc,csv,page")->type_name("FORMATS")->needs(out);
+  command.add_option("--compress", compression_, "Compression of run.nc of --out: 1 (fast) to 9 (small); 0: none")
       ->type_name("N")
       ->check(CLI::Range(0, 9))
       ->capture_default_str()

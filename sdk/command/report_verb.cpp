@@ -135,17 +135,19 @@ int report_several(const Options& options) {
 Verb report_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app =
-      command.add_subcommand("report", "The results of run or study --out as one HTML page; several runs compared");
-  app->add_option("DIR", options->folders, "The folder that was given to --out; several: their runs on one page")
-      ->required();
+      command.add_subcommand("report",
+                             "Write the results of run or study --out as one HTML page, or compare several runs");
+  app->add_option("DIR", options->folders, "Folder of --out; several folders: their runs on one page")->required();
   app->add_option("--output", options->output,
-                  "Write the page there instead of DIR/report.html, or comparison.html of several")
+                  "Output file, instead of DIR/report.html, or comparison.html for several folders")
       ->type_name("FILE.html");
-  app->add_option("--pair", options->pairs, "Several: filter FIRST of the first run is OTHER in others")
+  app->add_option("--pair", options->pairs,
+                  "Several folders: filter FIRST of the first run corresponds to OTHER of the others")
       ->type_name("FIRST=OTHER")
       ->allow_extra_args(false);
-  app->add_flag("--json", options->json,
-                "Where the page is, and its size, as JSON on stdout; of several what differs too");
+  app->add_flag(
+      "--json", options->json,
+      "Print the file name and size of the page as JSON on stdout; for several folders, also the differences");
   return {app, [options] { return options->folders.size() == 1 ? report_one(*options) : report_several(*options); }};
 }
 

@@ -289,37 +289,40 @@ int run_config(Options& options) {
 
 Verb run_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("run", "Run a config over its data; a summary of the errors at the end");
+  CLI::App* app = command.add_subcommand("run", "Run a config on its data and print a summary of the errors");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
-  app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
-  auto* out = app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
+  app->add_option("--summary", options->summary, "Write the summary as JSON to a file")->type_name("FILE.json");
+  auto* out = app->add_option("--out", options->out,
+                              "Record the run in a folder: run.nc, FILTER.csv, summary.json, config.json")
                   ->type_name("DIR");
   options->records.add_to(*app, out);
-  app->add_option("--page", options->page, "Serve the report's page while the run goes on; the loopback without a HOST")
+  app->add_option("--page", options->page, "Serve the report's page during the run; default HOST: loopback")
       ->type_name("[HOST:]PORT");
-  app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
-  app->add_option("--run", options->run.run, "Which run of the seed")
+  app->add_option("--seed", options->run.seed, "Seed of all random numbers")->type_name("N")->capture_default_str();
+  app->add_option("--run", options->run.run, "Number of the run with this seed")
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   options->checkpoints.add_to(*app);
-  auto* pace = app->add_option("--pace", options->run.pace, "Recorded data as if live: X seconds of them in one")
+  auto* pace = app->add_option("--pace", options->run.pace, "Replay recorded data in real time, X times faster")
                    ->type_name("X")
                    ->check(CLI::PositiveNumber);
-  app->add_option("--record-input", options->record_input, "Keep all that arrives, in order of arrival, for --input")
+  app->add_option("--record-input", options->record_input,
+                  "Write all arriving input to a file, in order of arrival, for --input")
       ->type_name("FILE")
       ->excludes("--resume");
-  app->add_option("--input", options->input, "Run what --record-input kept, in place of the sources")
+  app->add_option("--input", options->input, "Run a file of --record-input instead of the sources")
       ->type_name("FILE")
       ->excludes(pace)
       ->excludes("--resume")
       ->excludes("--checkpoint");
-  app->add_flag("--smooth", options->smooth, "Smooth every filter when the run is over: FILTER.smoothed");
-  app->add_flag("--json", options->json, "The summary as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");
-  app->add_flag("--strict", options->strict, "Exit status 1 where a filter is doubtful too, not only where it is lost");
+  app->add_flag("--smooth", options->smooth, "Smooth every filter after the run: FILTER.smoothed");
+  app->add_flag("--json", options->json, "Print the summary as JSON on stdout");
+  app->add_flag("--quiet", options->quiet,
+                "Print only errors and the reasons of verdicts: no progress, warnings or summary");
+  app->add_flag("--strict", options->strict, "Exit with status 1 also if a filter is doubtful, not only if it is lost");
   return {app, [options] { return run_config(*options); }};
 }
 

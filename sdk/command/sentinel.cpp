@@ -25,7 +25,7 @@ std::string culprit() {
 /// Of exit(); the status that it was given is lost, since 0 must not be believed.
 void end_of_exit() {
   if (has_left) return;
-  abandon(culprit() + " ended the program by exit(); what was not finished is lost");
+  abandon(culprit() + " ended the program by exit(); unfinished results are lost");
 }
 
 /// Of what nobody catches on a thread, "" where nothing was thrown.
@@ -37,7 +37,7 @@ std::string thrown_by_nobody() {
   } catch (const std::exception& error) {
     return error.what();
   } catch (...) {
-    return "something that is no std::exception";
+    return "something that is not a std::exception";
   }
 }
 

@@ -321,8 +321,8 @@ class FilterDrawing {
     key(paint, 18, 12, "dense");
     key(paint, 10, 10, "diagonal");
     key("class=\"key identity\"", 8, 8, "1: stays as it is");
-    svg_ += text(x, bottom_, "empty: zero, and never worked with", "minor");
-    right_ = std::max(right_, x + width_of("empty: zero, and never worked with"));
+    svg_ += text(x, bottom_, "empty: zero and not computed", "minor");
+    right_ = std::max(right_, x + width_of("empty: zero and not computed"));
     draw_frozen();
   }
 

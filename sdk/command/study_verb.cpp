@@ -217,8 +217,8 @@ study::Study load(const Options& options) {
 
 /// What an interrupted study leaves.
 std::string left(const Options& options) {
-  return options.out.empty() ? "nothing was written (with --out DIR a study goes on where it was)"
-                             : "the same command goes on from here";
+  return options.out.empty() ? "nothing was written (with --out DIR a study continues where it stopped)"
+                             : "the same command continues from here";
 }
 
 /// mpirun ends all of its processes when one of them dies, so this may be how the others learn of it.
@@ -232,7 +232,7 @@ void announce_workers(const Options& options, const study::Team& team, const stu
   if (!options.quiet)
     to_stderr(fmt::format("{}, {}{}", counted(static_cast<std::size_t>(team.size()), "rank"),
                           counted(static_cast<std::size_t>(jobs + coordinator.threads()), "thread"),
-                          options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there"));
+                          options.out.empty() ? "" : "; after an interruption, the same command continues it"));
 }
 
 /// A rank other than 0: does runs and says nothing.
@@ -294,25 +294,26 @@ int run_study(const Options& options) {
 
 Verb study_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("study", "Run the variants of a config many times; tables of their errors");
-  app->add_option("CONFIG", options->config_path, "The config, with its \"study\"")->required();
+  CLI::App* app =
+      command.add_subcommand("study", "Run the variants of a config many times and print tables of their errors");
+  app->add_option("CONFIG", options->config_path, "Config with the section \"study\"")->required();
   options->config.add_to(*app);
-  app->add_option("--runs", options->runs, "Runs of each variant, instead of the config's")
+  app->add_option("--runs", options->runs, "Number of runs of each variant, instead of the config's")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
-  app->add_option("--seed", options->seed, "Seed of everything random, instead of the config's")->type_name("N");
-  app->add_option("--jobs", options->jobs,
-                  "Runs at work at one time in each process, instead of one for each "
-                  "processor; the figures do not depend on it")
+  app->add_option("--seed", options->seed, "Seed of all random numbers, instead of the config's")->type_name("N");
+  app->add_option(
+         "--jobs", options->jobs,
+         "Number of parallel runs in each process; default: the number of processors; the figures do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
+  app->add_option("--summary", options->summary, "Write the figures as JSON to a file")->type_name("FILE.json");
   app->add_option("--out", options->out,
-                  "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
+                  "Folder for study.nc, study.csv, table.csv, study.json; a second start continues the study")
       ->type_name("DIR");
-  app->add_flag("--json", options->json, "The figures as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");
-  app->add_flag("--strict", options->strict, "Exit status 1 where a run is lost");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Print only errors: no progress, warnings or tables");
+  app->add_flag("--strict", options->strict, "Exit with status 1 if a run is lost");
   return {app, [options] { return run_study(*options); }};
 }
 

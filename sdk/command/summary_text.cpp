@@ -214,13 +214,13 @@ std::string measurement_table(const Json& measurements) {
       Names keys;
       for (const auto& [key, count] : entry["left_out"]["by_key"].items())
         keys.push_back(fmt::format("{} ({})", key, count.dump()));
-      reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
+      reasons += fmt::format("  {}: {} of {} rows left out, which (times): {}\n", name,
                              entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
     if (entry.contains("iterated") && entry["iterated"]["samples"] != 0) {
       const auto& iterated = entry["iterated"];
       const double samples = iterated["samples"].get<double>();
-      reasons += fmt::format("  {}: iterated, {:.3g} linearizations a sample; {} of {} did not converge\n", name,
+      reasons += fmt::format("  {}: iterated, {:.3g} linearizations per sample; {} of {} did not converge\n", name,
                              number_at(iterated, "linearizations") / samples, iterated["not_converged"].dump(),
                              counted(iterated["samples"], "sample"));
     }
@@ -354,7 +354,7 @@ std::string live_text(const Json& live) {
   }
   std::string text = "\n" + table.text();
   for (const auto& [name, figures] : live.at("sources").items())
-    text += fmt::format("  {}: at most {} waited, {} lost, {} of no use\n", name, count_at(figures, "longest_queue"),
+    text += fmt::format("  {}: at most {} waiting, {} lost, {} unusable\n", name, count_at(figures, "longest_queue"),
                         count_at(figures, "lost"), count_at(figures, "unusable"));
   const double seconds = number_at(live, "seconds");
   return text + fmt::format("  {:.0f} samples in {}\n\n", samples, duration(seconds));

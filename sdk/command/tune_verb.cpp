@@ -67,7 +67,7 @@ int tune_config(const Options& options) {
   if (!options.quiet)
     for (const auto& note : result.at("notes")) print_note(note.get<std::string>());
   for (const auto& open : result.at("undetermined"))
-    print_error("not determined, and left as it is: " + open.at("text").get<std::string>());
+    print_error("not determined and not changed: " + open.at("text").get<std::string>());
   return result.at("undetermined").empty() && result.at("converged").get<bool>() ? ok : failed;
 }
 
@@ -75,22 +75,22 @@ int tune_config(const Options& options) {
 
 Verb tune_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("tune", "Noise and other parameters by what the data say of them");
-  app->add_option("CONFIG", options->config_path, "The config, with its \"tune\"")->required();
+  CLI::App* app = command.add_subcommand("tune", "Estimate noise and other parameters from data");
+  app->add_option("CONFIG", options->config_path, "Config with the section \"tune\"")->required();
   options->config.add_to(*app);
-  app->add_option("--write", options->write, "Write the values as a merge patch, which \"extends\" takes")
+  app->add_option("--write", options->write, "Write the values as a merge patch for \"extends\"")
       ->type_name("FILE.json");
-  app->add_option("--summary", options->summary, "Write all figures as JSON")->type_name("FILE.json");
-  app->add_option("--seed", options->tune.seed, "Seed of everything random")->type_name("N")->capture_default_str();
-  app->add_option("--run", options->tune.run, "Which run of the seed")
+  app->add_option("--summary", options->summary, "Write all figures as JSON to a file")->type_name("FILE.json");
+  app->add_option("--seed", options->tune.seed, "Seed of all random numbers")->type_name("N")->capture_default_str();
+  app->add_option("--run", options->tune.run, "Number of the run with this seed")
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
-  app->add_option("--jobs", options->jobs, "Runs at one time; as many as there are processors")
+  app->add_option("--jobs", options->jobs, "Number of parallel runs; default: the number of processors")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
-  app->add_flag("--json", options->json, "The figures as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors only: no tables or notes");
+  app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Print only errors: no tables or notes");
   return {app, [options] { return tune_config(*options); }};
 }
 

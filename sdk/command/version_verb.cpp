@@ -29,7 +29,7 @@ int show_version(bool json) {
 
 Verb version_verb(CLI::App& command) {
   const auto json = std::make_shared<bool>(false);
-  CLI::App* app = command.add_subcommand("version", "Version and ABI guard");
+  CLI::App* app = command.add_subcommand("version", "Print the version and the ABI guard");
   app->add_flag("--json", *json, "As JSON");
   return {app, [json] { return show_version(*json); }};
 }

@@ -28,7 +28,7 @@ void attempt(const Check& check, Trial& trial, const std::function<std::string()
   } catch (const std::exception& error) {
     trial.fail("an exception crosses", during(), ": ", error.what());
   } catch (...) {
-    trial.fail("something that is no std::exception crosses", during());
+    trial.fail("something that is not a std::exception crosses", during());
   }
 }
 

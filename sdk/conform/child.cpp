@@ -25,13 +25,13 @@ void interrupt(int) { interrupted = 1; }
 Child::Child(const std::function<int(const Wire&)>& work, double time_limit)
     : limit_(time_limit), start_(Clock::now()) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe is to be had");
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe is available");
   void* shared = ::mmap(nullptr, stage_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (shared == MAP_FAILED) throw std::runtime_error("no shared memory is to be had");
+  if (shared == MAP_FAILED) throw std::runtime_error("no shared memory is available");
   stage_ = static_cast<char*>(shared);
   const pid_t driver = ::getpid();
   pid_ = ::fork();
-  if (pid_ < 0) throw std::runtime_error("no process is to be had");
+  if (pid_ < 0) throw std::runtime_error("no process is available");
   if (pid_ == 0) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a driver that is killed leaves no endless loop behind
@@ -109,7 +109,7 @@ void Interruptible::check() {
 Scratch::Scratch() {
   const auto folder = std::filesystem::temp_directory_path();
   std::string pattern = (folder / "binnacle-conform-XXXXXX").string();
-  if (!::mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder is to be had in " + folder.string());
+  if (!::mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder is available in " + folder.string());
   path_ = pattern;
 }
 Scratch::~Scratch() {

@@ -42,7 +42,7 @@ void calls(Trial& trial) {
 
 void repeatable(Trial& trial) {
   const auto subject = fixture_of_example(trial);
-  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
+  if (subject->is_live()) Trial::not_applicable("its input cannot be read again");
   const auto another = fixture_of_example(trial);
   auto first = subject->fresh_memory(), again = subject->fresh_memory(), other = another->fresh_memory();
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -74,7 +74,7 @@ void interleaved(Trial& trial) {
   const ComponentType& type = component(trial, catalog);
   const Json example = example_of(type.spec);
   const auto subject = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
-  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
+  if (subject->is_live()) Trial::not_applicable("its input cannot be read again");
   auto alone = subject->fresh_memory();
   std::vector<Answer> expected;
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -127,13 +127,13 @@ void snapshot(Trial& trial) {
   const auto another = fixture_of_example(trial);
   for (std::uint64_t k = turns; k < 2 * turns; ++k)
     if (!trial.expect(another->turn(k, restored.data(), unwritten()) == expected[k - turns],
-                      "restored from a copy of its memory it goes on differently: not all of its state lies there"))
+                      "restored from a copy of its memory it continues differently: part of its state is elsewhere"))
       return;
 }
 
 void threads(Trial& trial) {
   const auto subject = fixture_of_example(trial);
-  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
+  if (subject->is_live()) Trial::not_applicable("its input cannot be read again");
   const auto turns = static_cast<std::uint64_t>(trial.repeats(400));
   auto memory = subject->fresh_memory();
   std::vector<Answer> expected;
@@ -185,7 +185,7 @@ std::vector<Check> life_checks() {
        2,
        called_roles,
        {"life.create"},
-       "ordinary calls return, throw nothing and write what was declared, no more and no less",
+       "ordinary calls return, throw nothing and write exactly what was declared",
        calls},
       {"life.repeatable",
        2,
@@ -193,13 +193,13 @@ std::vector<Check> life_checks() {
        {"life.calls"},
        "same input, same memory: same output, bit for bit",
        repeatable},
-      {"life.interleaved", 3, called_roles, {"life.repeatable"}, "two instances do not touch each other", interleaved},
+      {"life.interleaved", 3, called_roles, {"life.repeatable"}, "two instances do not affect each other", interleaved},
       {"life.defaults", 3, called_roles, {"life.repeatable"}, "defaults given are defaults implied", defaults},
       {"life.snapshot",
        3,
        called_roles,
        {"life.repeatable"},
-       "restored from a copy of its memory it goes on as if uninterrupted",
+       "restored from a copy of its memory it continues as if uninterrupted",
        snapshot},
       {"life.threads",
        4,
@@ -207,7 +207,7 @@ std::vector<Check> life_checks() {
        {"life.repeatable", "life.interleaved"},
        "its const calls may run in two threads at once",
        threads},
-      {"life.leaks", 4, called_roles, {"life.repeatable"}, "it gives back all memory it took", leaks},
+      {"life.leaks", 4, called_roles, {"life.repeatable"}, "it frees all memory that it allocated", leaks},
   };
 }
 

@@ -74,35 +74,35 @@ int carry_out(const CommandLine& line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Holds a plugin library against the contract: each check of each component in a process of its own"};
+  CLI::App app{"Tests a plugin library against the plugin contract: each check of each component in its own process"};
   app.name("binnacle conform");
   app.footer("Exit status: 0 it conforms, 1 it does not (or nothing ran), 2 usage, 5 a report could not be written.");
   CommandLine line;
   line.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  app.add_option("LIBRARY", line.library, "The built plugin, NAME.so");
-  app.add_option("--level", line.options.level, "1 (quick) to 10 (thorough): which checks, and how often each tries")
+  app.add_option("LIBRARY", line.library, "Plugin library, NAME.so");
+  app.add_option("--level", line.options.level, "Checks and trials: 1 (quick) to 10 (thorough)")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
-  app.add_option("--seed,--reproduce", line.options.seed, "Of everything random")->capture_default_str();
+  app.add_option("--seed,--reproduce", line.options.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--only", line.options.filters,
-                 "TYPE:CHECK with * and ?, such as '*:numbers.*'; what it needs runs as well");
-  app.add_option("--time-limit", line.options.time_limit, "Seconds, of one check")
+                 "Checks to run, TYPE:CHECK with * and ?, such as '*:numbers.*', with their prerequisites");
+  app.add_option("--time-limit", line.options.time_limit, "Time limit of one check in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--jobs", line.options.jobs, "Checks at once")->check(CLI::Range(1, 256));
-  app.add_option("--json", line.json, "Results as JSON to this file; - for stdout");
-  app.add_option("--junit", line.junit, "Results as JUnit XML to this file; - for stdout");
+  app.add_option("--json", line.json, "Write the results as JSON to this file; - for stdout");
+  app.add_option("--junit", line.junit, "Write the results as JUnit XML to this file; - for stdout");
   app.add_flag("--in-process", line.in_process,
                "Run the one check that --only names in this process, without time limit: for gdb and valgrind");
   app.add_flag("--strict", line.strict, "Warnings fail");
-  app.add_flag("--verbose", line.verbose, "Every check, not only those that found something");
-  app.add_flag("--list", line.list, "The checks there are");
+  app.add_flag("--verbose", line.verbose, "Print every check, not only those with findings");
+  app.add_flag("--list", line.list, "List the checks");
   try {
     app.parse(argc, argv);
     if (line.library.empty() && !line.list) throw CLI::RequiredError("LIBRARY");
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    fmt::print(stderr, "error: {}\nRun 'binnacle conform --help' for what there is.\n", error.what());
+    fmt::print(stderr, "error: {}\nRun 'binnacle conform --help' for the list.\n", error.what());
     return usage;
   }
   try {

@@ -25,8 +25,9 @@ void on_samples(Trial& trial, int repeats, std::uint64_t stream, Check&& check) 
     const PortStates ports = subject.measurement.ports(random, 0.1);
     const SampleNumbers sample = subject.measurement.sample(ports, random);
     const auto nominal = subject.measurement.call(ports, sample, subject.memory);
-    if (!nominal.result) Trial::skip(std::string("it refuses what it should see: ") + nominal.result.reason);
-    if (nominal.residual.size() == 0) Trial::skip("it takes no row of what it should see");
+    if (!nominal.result)
+      Trial::skip(std::string("it refuses a sample that it should accept: ") + nominal.result.reason);
+    if (nominal.residual.size() == 0) Trial::skip("it accepts no row of a sample that it should accept");
     if (!trial.expect_none(check(subject, ports, sample, subject.measurement.ports(random, 0.1)))) return;
   }
 }
@@ -60,7 +61,7 @@ void covariance(Trial& trial) {
     ++seen;
     if (!trial.expect_none(testing::check_covariance(m.R))) return;
   }
-  if (seen == 0) Trial::skip("it refuses what it should see: " + refusal);
+  if (seen == 0) Trial::skip("it refuses a sample that it should accept: " + refusal);
 }
 
 }  // namespace

@@ -24,8 +24,9 @@ struct Subject {
   /// What is seen of the truth, with noise of the model's own R.
   SampleNumbers seen(const PortStates& truth, std::mt19937_64& random) const {
     const auto at_truth = call(truth, measurement.sample(truth, random));
-    if (!at_truth.result) Trial::skip(std::string("it refuses what it should see: ") + at_truth.result.reason);
-    if (at_truth.residual.size() == 0) Trial::skip("it takes no row of what it should see");
+    if (!at_truth.result)
+      Trial::skip(std::string("it refuses a sample that it should accept: ") + at_truth.result.reason);
+    if (at_truth.residual.size() == 0) Trial::skip("it accepts no row of a sample that it should accept");
     const Eigen::VectorXd noise = draw(at_truth.R, random);
     const SampleNumbers sample = measurement.sample(truth, random, noise);
     const auto made = call(truth, sample);
@@ -93,7 +94,7 @@ void believe(const Subject& subject, const Eigen::MatrixXd& prior, double share,
   inject(truth, draw(P, random));
   for (int k = 0; k < updates; ++k) {
     const auto m = subject.call(estimate, subject.seen(truth, random));
-    if (!m.result || m.residual.size() == 0) Trial::skip("it refuses what it should see");
+    if (!m.result || m.residual.size() == 0) Trial::skip("it refuses a sample that it should accept");
     const Eigen::MatrixXd H = H_of(subject, estimate, m);
     const Eigen::MatrixXd S = H * P * H.transpose() + m.R;
     const Eigen::LDLT<Eigen::MatrixXd> factored(S);

@@ -84,7 +84,7 @@ void example(Trial& trial) {
   const ComponentType& type = component(trial, catalog);
   if (!trial.expect(!type.spec.example.empty(), "has no example in its spec")) return;
   const Json settings = Json::parse(type.spec.example, nullptr, false, true);
-  if (!trial.expect(settings.is_object(), "its example is no JSON object: ", type.spec.example)) return;
+  if (!trial.expect(settings.is_object(), "its example is not a JSON object: ", type.spec.example)) return;
   if (const std::string wrong = wrong_shape(type.spec); !trial.expect(wrong.empty(), wrong)) return;
   const Json config = miniature(trial, type, catalog, settings);
   trial.stage("constructor");

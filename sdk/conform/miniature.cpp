@@ -268,7 +268,7 @@ const ComponentType& component(const Trial& trial, const Catalog& catalog) {
 Json example_of(const ComponentSpec& spec) {
   if (spec.example.empty()) Trial::skip("'" + spec.type + "' has no example");
   const Json example = Json::parse(spec.example, nullptr, false, true);
-  if (!example.is_object()) throw std::runtime_error("the example of '" + spec.type + "' is no JSON object");
+  if (!example.is_object()) throw std::runtime_error("the example of '" + spec.type + "' is not a JSON object");
   return example;
 }
 

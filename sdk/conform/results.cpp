@@ -73,7 +73,7 @@ std::string summary(const Verdict& verdict, const Options& options, bool strict,
       text += indented(fmt::format("in a debugger: --only '{}:{}' --level {} --seed {} --in-process", outcome.type,
                                    outcome.check, options.level, options.seed));
   }
-  if (!verdict.enumeration.empty()) text += "  its components cannot be found out: " + verdict.enumeration + "\n";
+  if (!verdict.enumeration.empty()) text += "  its components cannot be listed: " + verdict.enumeration + "\n";
   for (const auto& type : verdict.untried())
     text += fmt::format("  {}: none of its checks of numbers could be tried\n", type);
   text += fmt::format("{} components, {} checks: {} pass, {} warn, {} fail, {} crash, {} timeout, {} skip, {} n/a\n",

@@ -23,7 +23,7 @@ bool is_numbers(const Json& value) {
 
 /// What is wrong with {field: number or list} under `where`.
 std::string wrong_numbers(const Json& given, const std::vector<FieldSpec>& fields, const std::string& where) {
-  if (!given.is_object()) return where + " is no object of fields and numbers, but " + given.dump();
+  if (!given.is_object()) return where + " is not an object of fields and numbers, but " + given.dump();
   std::size_t rows = 0;
   for (const auto& [name, value] : given.items()) {
     const auto field = std::ranges::find(fields, name, &FieldSpec::name);
@@ -93,7 +93,7 @@ std::string wrong_shape(const ComponentSpec& spec) {
     if (auto wrong = wrong_numbers(all.at("sample"), spec.fields, "its surroundings: sample"); !wrong.empty())
       return wrong;
   if (!all.contains("inputs")) return "";
-  if (!all.at("inputs").is_object()) return "its surroundings: inputs is no object of inputs and their fields";
+  if (!all.at("inputs").is_object()) return "its surroundings: inputs is not an object of inputs and their fields";
   for (const auto& [name, given] : all.at("inputs").items()) {
     const auto input = std::ranges::find(spec.inputs, name, &ChannelPort::name);
     if (input == spec.inputs.end()) return "its surroundings: inputs." + name + ": the spec has no such input";

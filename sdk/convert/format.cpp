@@ -37,9 +37,8 @@ std::string title_of(const RunResults& run) {
 }
 
 constexpr const char* how_time =
-    "nothing in the run says what its time counts from; --week N (GPS time from the begin of a week, 0: since "
-    "1980-01-06) or "
-    "--epoch 2026-11-23T12:00:00Z (UTC) does";
+    "the run does not give the origin of its time; --week N (GPS time from the start of a week, 0: since 1980-01-06) "
+    "or --epoch 2026-11-23T12:00:00Z (UTC) does";
 
 void check_options(const Request& request) {
   const char* const name = format_names[static_cast<int>(request.format)];
@@ -60,11 +59,11 @@ void add_notes(const Request& request, const Track& track, Result& result) {
   if (!result.time) result.notes.push_back(std::string("the file has no times: ") + how_time);
   const bool has_height = track.has_vertical && request.geoid_separation;
   if (request.format != Format::pos && !has_height)
-    result.notes.push_back(
-        track.has_vertical ? std::string("the file has no heights: ") + name +
-                                 " has those above the sea, the run those above the ellipsoid; --geoid-separation M "
-                                 "(of the geoid above the ellipsoid) makes one of the other"
-                           : std::string("the file has no heights: the filter estimates none"));
+    result.notes.push_back(track.has_vertical
+                               ? std::string("the file has no heights: ") + name +
+                                     " needs heights above sea level, but the run has heights above the ellipsoid; "
+                                     "--geoid-separation M (height of the geoid above the ellipsoid) converts them"
+                               : std::string("the file has no heights: the filter estimates none"));
   if (request.format == Format::pos && !track.has_vertical)
     result.notes.push_back("the filter estimates no height: it is that of the origin's plane");
 }

@@ -16,7 +16,7 @@ double value_of(const results::Json& origin, const char* key, const char* unit) 
     if (const auto quantity = parse_quantity(found->get<std::string>());
         quantity && quantity->dimension == parse_unit(unit)->dimension)
       return quantity->value;
-  throw Refusal(std::string("/origin/") + key + " of the run's config is no quantity in " + unit);
+  throw Refusal(std::string("/origin/") + key + " of the run's config is not a quantity in " + unit);
 }
 
 }  // namespace

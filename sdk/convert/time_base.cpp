@@ -12,7 +12,7 @@ using results::Json;
 
 std::string week_text(std::int64_t week, std::optional<std::int64_t> leap_seconds) {
   return (week == 0 ? std::string("GPS time since 1980-01-06")
-                    : "GPS time from the begin of week " + std::to_string(week)) +
+                    : "GPS time from the start of week " + std::to_string(week)) +
          ", GPS - UTC " + (leap_seconds ? std::to_string(*leap_seconds) + " s" : std::string("by date"));
 }
 
@@ -22,7 +22,7 @@ TimeBase of_week(std::int64_t week, std::optional<std::int64_t> leap_seconds, co
 
 TimeBase of_epoch(const std::string& epoch, const std::string& from) {
   const auto instant = civil_time::parse_instant(epoch);
-  if (!instant) throw Refusal("'" + epoch + "' is no instant of UTC (" + from + "); expected 2026-11-23T12:00:00Z");
+  if (!instant) throw Refusal("'" + epoch + "' is not an instant of UTC (" + from + "); expected 2026-11-23T12:00:00Z");
   return {UtcClock::from_epoch(*instant), "UTC from " + epoch, from};
 }
 
@@ -51,7 +51,7 @@ bool agree(const TimeBase& a, const TimeBase& b, Time t) {
 
 std::optional<TimeBase> time_base(const Json& config, const GivenTime& given, Time at) {
   if (given.week && !given.epoch.empty())
-    throw Refusal("--week and --epoch both say where time is zero; one is enough");
+    throw Refusal("--week and --epoch both give the origin of time; give one of them");
   if (!given.epoch.empty() && given.leap_seconds)
     throw Refusal("--leap-seconds belongs to GPS time, --week; --epoch is UTC, which needs none");
   if (given.week) return of_week(*given.week, given.leap_seconds, "--week");
@@ -64,12 +64,12 @@ std::optional<TimeBase> time_base(const Json& config, const GivenTime& given, Ti
       if (!component.is_object()) continue;
       const auto base = stated(component, std::string("/") + section + "/" + name, given.leap_seconds);
       if (base && found && !agree(*base, *found, at))
-        throw Refusal("what the run's time counts from is said twice and differs: " + found->text + " (" + found->from +
+        throw Refusal("the run's config gives two different origins of time: " + found->text + " (" + found->from +
                       "), " + base->text + " (" + base->from + "); --week or --epoch decides");
       if (base && !found) found = base;
     }
   }
-  if (!found && given.leap_seconds) throw Refusal("--leap-seconds belongs to GPS time; --week says that it is");
+  if (!found && given.leap_seconds) throw Refusal("--leap-seconds belongs to GPS time; --week selects it");
   return found;
 }
 

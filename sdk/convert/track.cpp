@@ -111,10 +111,9 @@ void put_velocity(const Velocity& velocity, Record& record) {
 }
 
 [[noreturn]] void refuse_local(const std::string& filter, const std::string& block) {
-  throw Refusal(
-      "the position '" + block + "' of filter '" + filter +
-      "' is local, north and east in metres, and nothing says of which place: --origin LAT,LON,HEIGHT does, or "
-      "\"origin\" of the config");
+  throw Refusal("the position '" + block + "' of filter '" + filter +
+                "' is local, north and east in metres, without an origin: give --origin LAT,LON,HEIGHT, or \"origin\" "
+                "in the config");
 }
 
 std::pair<std::string, Position> position_of(const FilterResults& filter) {

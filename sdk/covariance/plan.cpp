@@ -33,7 +33,7 @@ Time read_time(const Section& section, const std::string& pointer) {
   }
   const auto time = parse_time(*text);
   if (time && *time > 0) return *time;
-  section.error("B009", pointer, time ? "a time above zero is wanted here" : time.error());
+  section.error("B009", pointer, time ? "expected a time above zero" : time.error());
   return 0;
 }
 
@@ -213,7 +213,7 @@ Parsed<Request> read_request(const std::string& text) {
   else if (word == "settled" && request.at == no_time)
     request.statistic = Statistic::settled;
   else
-    return Parsed<Request>::failure(in_quotes(text) + " is no metric of a covariance analysis: " + shape);
+    return Parsed<Request>::failure(in_quotes(text) + " is not a metric of a covariance analysis: " + shape);
   return request;
 }
 
@@ -300,7 +300,7 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
   const auto component = component_named(block, subject.component);
   if (!component || (subject.implied_state && component->output >= 0)) {
     const auto components = component_names(block);
-    return Parsed<score::Metric>::failure(in_quotes(words.name) + " is no component of block " +
+    return Parsed<score::Metric>::failure(in_quotes(words.name) + " is not a component of block " +
                                           in_quotes(subject.block) + suggestion(subject.component, components) +
                                           " (it has: " + listed(components) + ")");
   }
@@ -351,7 +351,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path, const Lo
   Plan plan;
   plan.composition = composition;
   if (!section.object(place)) {
-    section.error("B010", place, "missing key 'covariance': what is analysed, and for how long");
+    section.error("B010", place, "missing key 'covariance': analysed filter and duration");
     return plan;
   }
   section.check_keys(place,
@@ -377,8 +377,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path, const Lo
     if (is_fed && section.at(under(key)))
       section.key_error("B012", under(key),
                         in_quotes(key) +
-                            " is said of sources, and with 'channels' none is run: leave out the one or "
-                            "the other");
+                            " applies to sources, but with 'channels' no source is run: remove one of the two");
   plan.implied_states = implied_states_of(Json::parse(config.text()), name);
   check_outputs(section, plan.implied_states);
   refuse_adaptive_noise(section, join_pointer("/filters", name));

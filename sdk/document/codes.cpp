@@ -8,294 +8,287 @@ namespace binnacle::document {
 namespace {
 
 constexpr CodeEntry entries[] = {
-    {"B001", "JSON syntax", "The file is not JSON: a comma, quote or bracket is missing or out of place.",
-     "Correct the text at the given line and column; comments are allowed, trailing commas are not."},
-    {"B002", "duplicate key", "The same key stands twice in one object; one of them would be lost.",
-     "Delete or rename one of the two; the message gives the line of both."},
+    {"B001", "JSON syntax",
+     "The file is not valid JSON: a comma, quotation mark or bracket is missing or out of place.",
+     "Correct the text at the given line and column. Comments are allowed, trailing commas are not."},
+    {"B002", "duplicate key", "An object contains the same key twice. One of the two values would be lost.",
+     "Delete or rename one of the two. The message gives the line of both."},
     {"B003", "file not found or unreadable", "A config, or a file named by `extends`, cannot be opened.",
-     "Correct the name; a relative path starts at the folder of the file that names it."},
+     "Correct the name. A relative path starts at the folder of the file that contains it."},
     {"B004", "bad extends",
-     "`extends` forms a cycle, is not a file name, or points at something that is not an object.",
+     "`extends` forms a cycle, is not a file name, or refers to something that is not an object.",
      "Give \"file.json\", \"file.json#/pointer\", \"#/pointer\" or a list of these, and break the cycle."},
-    {"B005", "unknown variable", "A text uses \"${name}\", but nothing gives `name` a value, or it is misspelt.",
-     "Define it under \"vars\" or give --var name=VALUE; a literal ${ is written $${."},
-    {"B006", "wrong JSON type", "A value is of another JSON type than the one declared, a text for an object, say.",
-     "Give the type that the message names; `binnacle describe TYPE` shows every parameter."},
-    {"B007", "wrong unit dimension", "The unit measures another thing than the parameter: a length for an angle.",
+    {"B005", "unknown variable", "A text uses \"${name}\", but `name` has no value or is misspelt.",
+     "Define it under \"vars\" or give --var name=VALUE. A literal ${ is written $${."},
+    {"B006", "wrong JSON type",
+     "A value does not have the declared JSON type, for example a text instead of an object.",
+     "Give the type that the message names. `binnacle describe TYPE` shows every parameter."},
+    {"B007", "wrong unit dimension",
+     "The unit does not have the dimension of the parameter, for example a length for an angle.",
      "Give a unit of the dimension that the message names, or a plain number in SI."},
-    {"B008", "unknown unit or malformed quantity", "The text is not a number followed by a unit that is known.",
+    {"B008", "unknown unit or malformed quantity", "The text is not a number followed by a known unit.",
      "Write it like \"0.2 deg/h\", \"5 ug/sqrt(Hz)\" or \"3 m/s^2\"."},
     {"B009", "out of range", "The number is outside the range declared for the parameter.",
      "Give a number inside the range that the message names."},
-    {"B010", "missing required key", "A parameter without a default is not given.",
-     "Add the key; `binnacle create TYPE` prints a skeleton with every required one."},
+    {"B010", "missing required key", "A parameter without a default is missing.",
+     "Add the key. `binnacle create TYPE` prints a skeleton with all required keys."},
     {"B011", "unknown component type", "No loaded plugin has a component of this type.",
-     "Correct the name, or make the plugin known through \"plugins\" or BINNACLE_PLUGIN_PATH; see `binnacle "
-     "list`."},
-    {"B012", "unknown key", "The component or section declares no such key.",
-     "Correct the spelling or delete the key; `binnacle describe TYPE` lists all of them."},
+     "Correct the name, or name the plugin or its folder in \"plugins\" or BINNACLE_PLUGIN_PATH. `binnacle list` shows "
+     "the known types."},
+    {"B012", "unknown key", "The component or section does not declare this key.",
+     "Correct the spelling or delete the key. `binnacle describe TYPE` lists all keys."},
     {"B013", "wrong array length", "A list has more or fewer elements than the block or parameter needs.",
      "Give as many elements as the message says."},
-    {"B014", "not one of the choices", "The text is not among the words that the parameter accepts.",
+    {"B014", "not one of the choices", "The text is not one of the words that the parameter accepts.",
      "Use one of the words that the message lists."},
     {"B015", "unknown block", "A port, an initial value or a reference names a block that the filter does not have.",
      "Name a key of the filter's \"blocks\" or \"derived\"."},
-    {"B016", "wrong port kind", "The block bound to a port is of another kind than the port takes.",
-     "Bind a block of the kind that the message names; `binnacle describe TYPE` shows the ports."},
-    {"B017", "required port not bound", "A port that the model cannot do without is left open.",
+    {"B016", "wrong port kind", "The block bound to a port is not of the port's kind.",
+     "Bind a block of the kind that the message names. `binnacle describe TYPE` shows the ports."},
+    {"B017", "required port not bound", "A required port of the model is not bound to a block.",
      "Add the port to the component's \"blocks\"."},
-    {"B018", "block advanced by no process model", "Nothing says how the block moves in time.",
-     "Add a process model for it; `random_constant` if it does not move."},
-    {"B019", "block advanced by two process models", "Two process models claim the same block.",
+    {"B018", "block advanced by no process model", "No process model propagates the block.",
+     "Add a process model for it. For a constant block, use `random_constant`."},
+    {"B019", "block advanced by two process models", "Two process models advance the same block.",
      "Delete one of them, or bind it to another block."},
-    {"B020", "unknown channel", "No source, transform or filter emits a channel of this name.",
-     "Correct the name; `binnacle explain CONFIG` lists the channels."},
+    {"B020", "unknown channel", "No source, transform or filter emits a channel with this name.",
+     "Correct the name. `binnacle explain CONFIG` lists the channels."},
     {"B021", "channel lacks a field or has it in the wrong unit",
-     "A component needs a field of the channel which is not there, or which measures another thing.",
+     "A component needs a field that the channel does not have, or has with a unit of another dimension.",
      "Bind another channel, or name the field and its unit where the channel is declared."},
-    {"B022", "ambiguous type name", "Several plugins have a component of this name.",
+    {"B022", "ambiguous type name", "Several plugins have a component with this name.",
      "Write the full name, plugin/component."},
     {"B023", "dependency cycle", "Derived blocks, transforms or filters depend on each other in a cycle.",
-     "Break the cycle that the message spells out."},
+     "Break the cycle that the message lists."},
     {"B024", "bad time or window",
      "A time is not of the form \"228 s\" or \"start+60 s\", or a window ends before it begins.",
-     "Correct the time; a window is [from, to] with from < to."},
+     "Correct the time. A window is [from, to] with from < to."},
     {"B025", "unknown component of a block",
-     "`estimate`, `consider`, `init` or `sigma` names no component of the block.",
+     "`estimate`, `consider`, `init` or `sigma` names a component that the block does not have.",
      "Use the component names that the message lists."},
-    {"B026", "initial value missing", "A block has neither an initial value nor a channel to take it from.",
+    {"B026", "initial value missing", "A block has neither an initial value nor a channel that provides it.",
      "Give `init` and `sigma`, or a channel for them."},
     {"B027", "unknown filter, reference or metric",
-     "A reference, an evaluation or a metric names something that is not there.",
-     "Metrics read FILTER/BLOCK.OUTPUT/STATISTIC; `binnacle explain CONFIG` lists the names."},
+     "A reference, an evaluation or a metric names something that does not exist.",
+     "Write a metric as FILTER/BLOCK.OUTPUT/STATISTIC. `binnacle explain CONFIG` lists the names."},
     {"B028", "version of the config", "\"binnacle\": 1 is missing, or the config is written for another version.",
      "Put \"binnacle\": 1 first in the config."},
     {"B029", "bad --set or --var",
-     "An option does not read PTR=VALUE or name=VALUE, or aims at something that is not there.",
-     "A pointer starts with '/', its keys are those of the config; quote the option in the shell."},
+     "The argument is not of the form PTR=VALUE or name=VALUE, or the pointer refers to nothing in the config.",
+     "Begin the pointer with '/' and use the keys of the config. Quote the argument in the shell."},
     {"B030", "parameters refused by the model",
-     "Every parameter is right by itself, but the model refuses them together.",
+     "Each parameter is valid by itself, but the model refuses the combination.",
      "Read the model's reason in the message and its README."},
-    {"B031", "unused", "Something is declared that nothing reads.", "Use it or delete it; it does no harm."},
+    {"B031", "unused", "Nothing uses a declared entry.", "Use it or delete it. It does no harm."},
     {"B032", "a component's note",
-     "A component found something suspicious in what it was given: a model that fits data poorly, say.",
-     "Read the message; `binnacle explain` shows the figures that the component found."},
+     "A component found something suspicious in its parameters or data, for example a model that fits the data poorly.",
+     "Read the message. `binnacle explain` shows the figures that the component found."},
     {"B033", "too large",
-     "A config is larger than what it may take: 16 MiB and 500 000 values with all that it extends, 10 000 `extends` "
-     "in chains "
-     "of 100, 16 MiB of texts made of variables, 1000 members of a section, 2000 error states of a filter.",
-     "Read the message; tables belong into files of data, and what differs between runs into a study."},
-    {"B040", "plugin file not found", "The plugin is not in any of the folders searched.",
+     "The config exceeds a limit: 16 MiB and 500 000 values with all that it extends, 10 000 `extends` in chains of "
+     "100, 16 MiB of text made of variables, 1000 members of a section, 2000 error states of a filter.",
+     "Read the message. Put tables into data files, and describe differences between runs in a study."},
+    {"B040", "plugin file not found", "The plugin is not in any of the searched folders.",
      "Build or install it, or add its folder to \"plugins\" or BINNACLE_PLUGIN_PATH."},
-    {"B041", "guard missing", "The file is not a Binnacle plugin, or is one for another major version.",
-     "Remove it from the plugin folder, or rebuild it with this version's SDK."},
+    {"B041", "guard missing", "The file is not a Binnacle plugin, or was built for another major version.",
+     "Remove it from the plugin folder, or rebuild it with the SDK of this version."},
     {"B042", "guard mismatch",
-     "The plugin was built with settings under which it cannot share memory with this program.",
+     "The plugin was built with settings that prevent it from sharing memory with this program.",
      "Rebuild it with the compiler settings that the message names."},
     {"B043", "guard warning",
-     "The plugin was built with other settings than this program, harmless as far as is known.",
-     "Rebuild it if something is odd."},
+     "The plugin was built with other settings than this program. The difference is not known to do harm.",
+     "Rebuild the plugin if its results are unexpected."},
     {"B044", "plugin that others could exchange",
-     "Others may write the plugin's file or a folder that it lies in, or own it, and could exchange its code, so it is "
-     "not loaded.",
-     "Do what the message says: chmod, chown, or a copy of your own."},
+     "Other users own the plugin's file or one of its folders, or may write to it. They could exchange the code, so "
+     "the plugin is not loaded.",
+     "Follow the message: use chmod, chown or a copy of your own."},
     {"B045", "plugin failed to register",
-     "The plugin's registration threw, or it registers other types than its BINNACLE_TYPES lists.",
-     "Report the message to the plugin's author, who corrects the list or deletes it."},
+     "The plugin's registration threw an exception, or it registers other types than its BINNACLE_TYPES lists.",
+     "Report the message to the plugin's author. The author corrects or deletes the list."},
     {"B046", "duplicate type", "Two components register the same full name.",
-     "Remove one of the plugin files; an old copy in another folder is the usual cause."},
+     "Remove one of the plugin files. The usual cause is an old copy in another folder."},
     {"B047", "plugin of a folder not loaded",
-     "A library that was found in a plugin folder cannot be loaded. A warning, unless the config has a type that it "
-     "may "
-     "bring.",
-     "Rebuild or remove the file; the message gives the reason."},
+     "A library in a plugin folder cannot be loaded. This is a warning, unless the config uses a type that the library "
+     "may contain.",
+     "Rebuild or remove the file. The message gives the reason."},
     {"B048", "plugin of a config not trusted",
-     "The config names a plugin that lies in no trusted folder and was not built here. Loading it runs its code.",
-     "If you trust it, repeat the command with --allow-plugins; else do without it, or build it from its source."},
-    {"B060", "data file missing", "A file of samples cannot be opened.",
-     "Correct the path; \"vars\" and --var are made for the folders of data."},
-    {"B061", "truncated or corrupt data", "The file ends in the middle, or its checksum is wrong.",
+     "The config names a plugin that is not in a trusted folder and was not built here. To load it is to run its code.",
+     "If you trust it, repeat the command with --allow-plugins. Otherwise build it from its source or remove it from "
+     "the config."},
+    {"B060", "data file missing", "A data file cannot be opened.",
+     "Correct the path. Use \"vars\" and --var for the folder of the data."},
+    {"B061", "truncated or corrupt data", "The file is truncated, or its checksum is wrong.",
      "Fetch or unpack the file again."},
     {"B062", "wrong column count or bad number",
-     "A line has more or fewer columns than the header, or text for a number.",
+     "A line has more or fewer columns than the header, or text instead of a number.",
      "Correct the line that the message names, or the declaration of the columns."},
-    {"B063", "time running backwards", "A sample is older than the one before it.",
+    {"B063", "time running backwards", "A sample is older than the sample before it.",
      "Sort the file by time, or correct the time column and its unit."},
-    {"B064", "NaN in a field", "A sample has a NaN or an infinity where a number is needed.",
+    {"B064", "NaN in a field", "A sample contains NaN or infinity in a field that needs a number.",
      "Correct the data, or declare the value that marks invalid samples."},
-    {"B065", "gap", "Two samples are further apart than `max_gap`.",
-     "Nothing if the data are like that; raise `max_gap` otherwise."},
-    {"B066", "no samples", "A source gave no sample at all, or none in its window.",
-     "Look at the file, the window and the time offset."},
+    {"B065", "gap", "The time between two samples is longer than `max_gap`.",
+     "If the gap is expected, raise `max_gap`. Otherwise look for lost data."},
+    {"B066", "no samples", "A source emitted no sample, or none in its window.",
+     "Check the file, the window and the time offset."},
     {"B067", "connection lost",
-     "Nobody is at the address of a live source, or who was there has gone. It is tried again each second.",
-     "Look at the sender, and at the address."},
-    {"B080", "filter broken", "The estimate or covariance is not finite, not positive or beyond bounds.",
-     "Look at the step and block that the message names; noise of zero and wild initial values are usual "
-     "causes."},
-    {"B081", "filter never started", "Some block never got its initial value.",
-     "Look at the channel that the message names, its `max_age` and the window of the data. An alignment emits once "
-     "it has "
-     "had its rest, and its course."},
-    {"B082", "snapshot of something else",
-     "The bytes are no snapshot, or a damaged one, or one of another composition, another build of a plugin, or "
-     "another "
+     "A live source cannot connect, or its connection closed. The program tries again every second.",
+     "Check the sender and the address."},
+    {"B080", "filter broken", "The estimate or the covariance is not finite, not positive or out of bounds.",
+     "Look at the step and the block that the message names. Usual causes are a noise of zero and wrong initial "
+     "values."},
+    {"B081", "filter never started", "At least one block never received its initial value.",
+     "Check the channel that the message names, its `max_age` and the window of the data. An alignment emits only "
+     "after its stationary phase and, if it needs one, a course."},
+    {"B082", "snapshot does not match",
+     "The bytes are not a snapshot, are damaged, or belong to another composition, another plugin build or another "
      "version.",
-     "Restore it with the config, plugins and program it was taken with. A damaged one is of no use."},
+     "Restore the snapshot with the config, plugins and program that made it. A damaged snapshot cannot be restored."},
     {"B083", "a model's note",
-     "A model met something in the run that people should know, or a sample that is invalid. Equal notes of one "
-     "component "
-     "are one warning, at once, and at the end with the time of the first and their number.",
-     "Read the message; the plugin's README says more."},
-    {"B084", "checkpoint of something else",
-     "The file is no checkpoint, or a torn or damaged one, or one of another config, other data, options, plugins, "
-     "version or "
-     "kind of "
-     "machine.",
-     "Resume with what the run began with, or let it begin anew."},
+     "A model reports a condition in the run, or an invalid sample. Equal notes of one component are combined into one "
+     "warning: it appears at once, and again at the end with the time of the first note and their number.",
+     "Read the message and the plugin's README."},
+    {"B084", "checkpoint does not match",
+     "The file is not a checkpoint, is incomplete or damaged, or belongs to another config, other data, options, "
+     "plugins, another version or another type of machine.",
+     "Resume with the config, data and program of the original run, or start the run again without the checkpoint."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
-     "Use one of the names that the message lists; a cell without a variant is \"\"."},
-    {"B091", "variants of one name", "Two variants of a study have the same name, or one that would be lost.",
-     "Rename one of them; those made of dimensions are named \"A B\" after a choice of each."},
+     "Use one of the names that the message lists. For a cell without a variant, use \"\"."},
+    {"B091", "variants of one name", "Two variants of a study have the same name, so one of them would be lost.",
+     "Rename one of them. A variant made of dimensions has the name \"A B\", with one choice of each dimension."},
     {"B092", "journal of another study",
-     "The folder given with --out holds the journal of a study with another config, seed, program or plugin.",
-     "Give another folder, or delete the journal to begin anew."},
-    {"B093", "a run of a study broke", "One of the runs could not be finished; the others went on without it.",
-     "Repeat it alone with the command that the message gives; its summary says more."},
+     "The folder of --out contains the journal of a study with another config, seed, program or plugin.",
+     "Give another folder, or delete the journal to start again."},
+    {"B093", "a run of a study broke", "A run of the study could not be finished. The other runs continued.",
+     "Repeat this run alone with the command in the message. Its summary gives the details."},
     {"B094", "adaptive noise in a covariance analysis",
-     "A noise estimator learns from residuals, and covariances alone have none.",
-     "Take the `noise` out of the measurement in what is analysed, or run a study."},
+     "A noise estimator needs residuals, and a covariance analysis has none.",
+     "Remove `noise` from the measurement for the analysis, or run a study."},
     {"B100", "locked out",
-     "A measurement, or a row or key that its gate tests, was refused several times in a row and still was at the end. "
-     "The "
-     "filter is `lost` when it is the measurement or most of its rows; when others pass it is `doubtful`.",
-     "Either the estimate is wrong (look at the start, at holes and at other reasons) or the measurement: its clock, "
-     "axes, "
-     "units, lever arm or standard deviations."},
-    {"B101", "never accepted", "Samples of a measurement came, and the filter refused each of them.",
-     "Look at `last_reason` in the summary: standard deviations of 0, units, axes, or a start far from the truth."},
+     "A measurement, or a row or key that its gate tests, was refused several times in a row up to the end. The filter "
+     "is `lost` if this is the whole measurement or most of its rows, and `doubtful` if other rows pass.",
+     "Either the estimate is wrong (check the start, holes in the input and the other reasons) or the measurement is "
+     "wrong (check its clock, axes, units, lever arm and standard deviations)."},
+    {"B101", "never accepted", "The filter refused every sample of a measurement.",
+     "Look at `last_reason` in the summary. Usual causes are standard deviations of 0, wrong units or axes, and an "
+     "initial estimate far from the truth."},
     {"B102", "mostly refused", "The gate refused more than half of a measurement's rows.",
-     "Compare the innovations' RMS in the summary with 1: standard deviations may be too small by that much; or the "
-     "estimate is wrong."},
+     "Look at the RMS of the normalized innovations in the summary. It shows the factor by which the standard "
+     "deviations may be too small. Otherwise the estimate is wrong."},
     {"B103", "innovations larger than their noise",
-     "Over a window of at least 50 samples and 10 s the mean of NIS over its rows is more than noise as specified can "
-     "make "
-     "it. `lost` when the newest window is beyond all reason.",
-     "The summary gives for each row the standard deviation that would fit. A wrong model, lever arm or clock makes "
-     "innovations grow with motion."},
+     "Over a window of at least 50 samples and 10 s, the mean of NIS over its rows is larger than the specified noise "
+     "can explain. The filter is `lost` if NIS of the latest window exceeds `beyond_reason` of `trust`.",
+     "The summary gives the standard deviation that would fit each row. If the innovations grow with motion, check the "
+     "model, the lever arm and the clock."},
     {"B104", "biased innovations",
-     "Over a window the mean of a row's innovations is further from zero than noise can make it.",
-     "Something constant is not modelled: a bias, a lever arm, a mounting angle, a clock offset at constant speed, a "
-     "receiver that is off."},
+     "Over a window, the mean innovation of a row is further from zero than noise can explain.",
+     "A constant error is not modelled. Check for a bias, a lever arm, a mounting angle, a clock offset at constant "
+     "speed or a receiver with an offset."},
     {"B105", "correlated innovations",
-     "Over a window a row's innovations depend on those before them more than white noise can.",
-     "The measurement's errors are correlated in time (a receiver's own filter, multipath), or the process noise is "
-     "too "
-     "small."},
-    {"B106", "recovered", "A measurement was locked out, and the covariance was opened until it passed again.",
-     "Look at what came before: the estimates from the first refusal to the recovery are wrong."},
+     "Over a window, the innovations of a row are correlated in time more than white noise can explain.",
+     "The measurement's errors are correlated in time (by a receiver's own filter or multipath), or the process noise "
+     "is too small."},
+    {"B106", "recovered",
+     "A measurement was locked out. The filter increased the covariance until the measurement passed again.",
+     "Look for the cause before this time. The estimates from the first refusal to the recovery are wrong."},
     {"B107", "locked out for a while",
      "A measurement, or a row or key, was refused several times in a row, and passes again.",
-     "Look at the time that the message names: a receiver that jumps, freezes or is spoofed, or an estimate that was "
-     "wrong for a while."},
-    {"B108", "hole in the input", "The driving input had a hole that the filter bridged.",
-     "Look for lost data. The estimates after it are as good as the rates before and after it allow."},
+     "Look at the data at the time in the message. Either the receiver jumped, froze or was spoofed, or the estimate "
+     "was temporarily wrong."},
+    {"B108", "hole in the input", "The driving input had a hole, which the filter bridged with held rates.",
+     "Look for lost data. The estimates after the hole are as good as the rates before and after it allow."},
     {"B109", "frozen input",
-     "The driving input repeated its numbers to the bit, after it had changed from sample to sample.",
-     "Look at the sensor and its logger: one that hangs gives its last sample again and again."},
-    {"B110", "unaided", "The filter has measurements, and no sample of any of them was used.",
-     "Look at the outcomes in the summary, and at the spans of time of the channels."},
-    {"B111", "implausible number", "The number is decades away from what such a sensor or vehicle has.",
-     "Write the unit that is meant: \"0.3 deg/sqrt(h)\"; a number without unit is SI."},
-    {"B112", "no aiding of position", "A block of lengths integrates one of velocities, and no measurement sees it.",
-     "Add a measurement of the position. Dead reckoning is legal: then its error grows with time or distance."},
+     "The driving input repeated its numbers to the bit, after they had changed from sample to sample.",
+     "Check the sensor and its logger. A sensor that hangs repeats its last sample."},
+    {"B110", "unaided", "The filter has measurements, but used no sample of any of them.",
+     "Look at the outcomes in the summary and at the time spans of the channels."},
+    {"B111", "implausible number",
+     "The number is orders of magnitude away from the values of such a sensor or vehicle.",
+     "Write the unit: \"0.3 deg/sqrt(h)\". A number without a unit is SI."},
+    {"B112", "no aiding of position",
+     "A position block integrates a velocity block, and no measurement observes the position.",
+     "Add a measurement of the position. Dead reckoning is legal, but its error grows with time or distance."},
     {"B113", "gate without recovery", "A measurement has a gate and `\"recover\": false`.",
-     "Delete `recover`; where refusals are expected, as of a zero-velocity update whose gate tests the detector, add "
-     "the "
-     "measurement to `except` of the filter's `trust`."},
+     "Delete `recover`. If refusals are expected (for example a zero-velocity update whose gate tests the detector), "
+     "add the measurement to `except` of the filter's `trust`."},
     {"B114", "no time in common",
-     "The samples of a measurement or reference, none of which was used, have no time in common with the filter's "
-     "driving "
-     "input. Known in a run only: `check` reads no rows.",
-     "Compare the spans in the message: `offset` and `unit` of a source's `time`; GPS time is ahead of UTC by the leap "
-     "seconds."},
-    {"B115", "started anew",
-     "Recovery was in vain several times in a row, or a hole was too long to bridge: the filter started anew.",
-     "Look at what led to it: the reasons before it, the time that the message names."},
+     "No sample of a measurement or reference was used, and their times do not overlap the filter's driving input. "
+     "Only a run finds this, because `check` reads no rows.",
+     "Compare the time spans in the message. Check `offset` and `unit` of the source's `time`. GPS time is ahead of "
+     "UTC by the leap seconds."},
+    {"B115", "restarted",
+     "Recovery failed several times in a row, or a hole was too long to bridge. The filter started again from initial "
+     "values.",
+     "Look at the reasons before it and at the data at the time in the message."},
     {"B116", "stopped",
      "The driving input had a hole longer than `longest_bridge`, and no initial values came after it.",
-     "Look for lost data; give the blocks an `\"again\"` from a channel that comes in motion too."},
+     "Look for lost data. Give the blocks an `\"again\"` from a channel that also emits in motion."},
     {"B117", "silent measurement",
-     "For long no sample of a measurement was of use, and what it sees became much less certain.",
-     "Look for the outage in the data; what was estimated meanwhile has the sigma that the filter gives, if its models "
-     "hold."},
+     "For a long time no sample of a measurement was usable, and the uncertainty of the states that it observes grew "
+     "much larger.",
+     "Look for the outage in the data. If the models are right, the estimates during the outage have the sigma that "
+     "the filter gives."},
     {"B118", "input ended",
      "The driving input ended, or had no complete sample any more, long before the newest sample.",
-     "Look for lost data, or NaN, at the end; the estimates end with the input."},
+     "Look for lost data or NaN at the end. The estimates end with the input."},
     {"B119", "likely cause: a clock",
-     "A filter is not `ok`, and the velocities of a measurement fit the inertial input far better when they are "
-     "shifted "
-     "in time.",
-     "Compare how the two are labelled: leap seconds, `offset` and `unit` of a source's `time`, the delay of the "
-     "receiver. Which of the two clocks is off the data do not show."},
+     "A filter is not `ok`, and the velocities of a measurement fit the inertial input much better after a shift in "
+     "time.",
+     "Compare the time labels of the two: leap seconds, `offset` and `unit` of a source's `time`, the delay of the "
+     "receiver. The data do not show which of the two clocks is wrong."},
     {"B120", "likely cause: axes, signs or scales",
-     "A filter is not `ok`, and fields of a channel contradict each other, or the inertial input, in a way that a "
-     "swapped "
-     "field, a wrong sign or a wrong unit explains.",
-     "Compare the fields that the message names with the sensor's manual: order, axes, signs, units."},
+     "A filter is not `ok`, and fields of a channel contradict each other or the inertial input. A swapped field, a "
+     "wrong sign or a wrong unit explains the contradiction.",
+     "Compare the fields in the message with the sensor's manual: order, axes, signs, units."},
     {"B121", "nothing to evaluate",
-     "A span of `evaluate` has no sample of a reference in it, though there are some elsewhere.",
-     "Compare `after`, `until` and the windows with the time that the filter ran; `\"start+60 s\"` counts from its "
-     "start, other "
-     "times are those of the data."},
-    {"B122", "later than any history",
-     "Samples of a channel came later than the longest `history` of the config's filters, so they were not used.",
-     "Make `history` longer than the largest delay, or find out what holds these samples up."},
+     "A span of `evaluate` contains no sample of a reference, though the reference has samples at other times.",
+     "Compare `after`, `until` and the windows with the time span of the filter. `\"start+60 s\"` counts from the "
+     "start of the filter. Other times are those of the data."},
+    {"B122", "later than the history",
+     "Samples of a channel were not used, because they came later than the longest `history` of the config's filters.",
+     "Make `history` longer than the largest delay, or find the cause of the delay."},
     {"B123", "live estimates lag",
-     "With the budget of `history`, the steps that one arrival may cost, live estimates fell behind by more than the "
-     "history, so late samples were refused until they had caught up.",
-     "Allow more `steps`, or find out why so many samples come late; without `steps` there is no bound."},
-    {"B124", "a latency that is no time",
-     "The field that `latency` names was NaN, infinite or negative, so the sample arrived at its own time.",
-     "Look at the field: is its unit a time, and is it set in each sample?"},
+     "`steps` of `history` limits the steps for one arrival. With this limit, live estimates lagged behind by more "
+     "than the history, and late samples were refused in the meantime.",
+     "Allow more `steps`, or find out why so many samples come late. Without `steps` there is no limit."},
+    {"B124", "invalid latency",
+     "The field that `latency` names was NaN, infinite or negative. The sample was treated as if it arrived at its own "
+     "time.",
+     "Check the field: its unit must be a time, and every sample must set it."},
     {"B125", "no segment",
-     "A metric of segments has no value: no reference gives position and attitude at one and the same time, or the "
-     "path "
-     "is shorter than the shortest segment.",
-     "Let one channel be the reference of both blocks; take shorter `lengths` in `segments` of `evaluate`."},
-    {"B126", "P is no covariance",
-     "P of the filter has a correlation beyond one, or gives a combination of components a negative variance, by more "
-     "than "
-     "1e-6 of a component's own; `lost` beyond 1e-3. It is looked at every 1024 steps and before a verdict.",
-     "A covariance that it started from may be none. Else digits were lost: `\"covariance\": \"ud\"` or "
-     "`\"square_root\"` "
-     "cannot become so by rounding."},
-    {"B127", "more than P has digits for",
-     "A measurement saw 1e15 times the variance of its own noise, or more. P as `joseph` keeps it has no digits for "
-     "both, so "
-     "sigmas after the update are zero or wrong.",
-     "Set `\"covariance\"` of the filter to `\"ud\"` or `\"square_root\"`, which hold it; or give a sigma at the start "
-     "that is nearer to what is known."},
+     "A metric of segments has no value: no reference gives position and attitude at the same time, or the path is "
+     "shorter than the shortest segment.",
+     "Use one channel as the reference of both blocks. Give shorter `lengths` in `segments` of `evaluate`."},
+    {"B126", "P is not a covariance",
+     "P of the filter contains a correlation beyond one, or a combination of components with a negative variance, by "
+     "more than 1e-6 of a component's own variance; beyond 1e-3 the filter is `lost`. P is checked every 1024 steps "
+     "and before a verdict.",
+     "Check the initial covariance. If it is valid, rounding is the cause: `\"covariance\": \"ud\"` or "
+     "`\"square_root\"` keeps P positive semidefinite."},
+    {"B127", "too few digits in P",
+     "The predicted variance of a measurement was at least 1e15 times the variance of its own noise. The form `joseph` "
+     "has too few digits for both, so the sigmas after the update are zero or wrong.",
+     "Set `\"covariance\"` of the filter to `\"ud\"` or `\"square_root\"`, which have enough digits, or give an "
+     "initial sigma closer to the true uncertainty."},
     {"B130", "adaptive noise in tuning",
-     "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
-     "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},
+     "A noise estimator computes R of a measurement from its innovations, so R follows every tuned parameter.",
+     "Delete its `noise` for tuning (`--set …/noise=null`), or tune with withheld samples or a metric."},
     {"B131", "nothing to tune by",
-     "No sample was accepted, none was withheld, or nothing was scored, so the objective of `tune` has no value.",
-     "Look at the outcomes in the summary of `run`; `withheld` needs a measurement with `withhold`, a metric a "
-     "reference."},
-    {"B143", "it comes once",
-     "A smoother over the whole run needs its input a second time, and live sources, or `--input`, give it once.",
+     "The objective of `tune` has no value, because no sample was accepted, none was withheld, or nothing was scored.",
+     "Look at the outcomes in the summary of `run`. The objective `withheld` needs a measurement with `withhold`, a "
+     "metric needs a reference."},
+    {"B143", "input that cannot be repeated",
+     "A smoother over the whole run needs its input twice, but live sources and `--input` give it once.",
      "Use `\"smoother\": {\"type\": \"fixed_lag\", …}`, or smooth the records of a recorded run."},
     {"B144", "recorded input",
-     "A file of `--input` is none that `run --record-input` made, is of another config, or ends in the middle of a "
+     "A file of `--input` was not made by `run --record-input`, belongs to another config, or ends in the middle of a "
      "line.",
-     "Take the config that the input was recorded with; what is whole of a file that was cut short is run."},
-    {"B145", "lines lost",
-     "A receiver of live output was slower than the lines came, or not there, and its oldest lines were left out.",
-     "Let it read faster, give the sink a larger `buffer` or fewer samples, or write to a file, which loses none."},
-    {"B146", "nobody receives",
-     "A connection of live output broke, its device vanished, the disk is full, or no receiver came.",
-     "Look at the other side. A TCP connection and a serial device are tried again each second; the run goes on."},
+     "Use the config of the recording. If the file was cut short, the complete lines are run."},
+    {"B145", "lines lost", "A receiver of live output was too slow or absent, so the oldest lines were dropped.",
+     "Make the receiver read faster, give the sink a larger `buffer` or fewer samples, or write to a file, which loses "
+     "no lines."},
+    {"B146", "no receiver",
+     "A connection of live output broke, its device vanished, the disk is full, or no receiver connected.",
+     "Check the receiver, the device or the disk. TCP connections and serial devices are tried again every second. The "
+     "run continues."},
 };
 
 }  // namespace

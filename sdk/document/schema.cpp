@@ -320,7 +320,7 @@ void add_value_definitions(Json& definitions) {
                        {"max_age", quantity},
                        {"covariance", {{"anyOf", {name, list_of(name)}}}},
                        {"again",
-                        {{"description", "start anew from a new sample of this channel (true) or of another one"},
+                        {{"description", "restart from a new sample of this channel (true) or of another channel"},
                          {"anyOf", {{{"type", "boolean"}}, again}}}}},
                       {"channel"}),
         {{"type", "object"}, {"not", {{"required", {"channel"}}}}, {"additionalProperties", quantity}},
@@ -334,31 +334,30 @@ void add_value_definitions(Json& definitions) {
 void add_block_definitions(Json& definitions) {
   const Json name = {{"type", "string"}};
   const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
-  definitions["estimate"] =
-      described("error components that are estimated (default: all); the others are frozen", components);
+  definitions["estimate"] = described("estimated error components (default: all); the others are frozen", components);
   definitions["consider"] =
-      described("components that keep their covariance and are never corrected (Schmidt)", components);
-  definitions["hold"] = described("frozen components do not move with their process", {{"type", "boolean"}});
+      described("considered components: they keep their covariance and are never corrected (Schmidt)", components);
+  definitions["hold"] = described("true: the process does not propagate frozen components", {{"type", "boolean"}});
   definitions["learn_from_gated"] =
-      described("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
-  definitions["samples_per_step"] = described("inputs that go into one step, for multi-sample attitude algorithms",
+      described("true: the estimator keeps what it learnt from a gated sample; false: it discards this",
+                {{"type", "boolean"}});
+  definitions["samples_per_step"] = described("number of input samples per step, for multi-sample attitude algorithms",
                                               {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
 }
 
 void add_measurement_definitions(Json& definitions) {
   const Json quantity = quantity_schema(parameter::number("", "1"));
   const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
-  definitions["gate"] = {{"description", "probability with which a right sample passes, or a right row or key"},
+  definitions["gate"] = {{"description", "probability with which a correct sample, row or key passes"},
                          {"anyOf",
                           {probability,
                            closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
                                          {"probability"})}}};
-  definitions["noise"] =
-      described("a noise estimator: R from what the residuals were, or a robust loss", ref("noise_estimator"));
+  definitions["noise"] = described("noise estimator: R from past residuals, or a robust loss", ref("noise_estimator"));
   definitions["recover"] = described(
-      "how a filter that locks the measurement out is opened again: after so many refusals in a row, or after a time "
-      "where "
-      "others contradict it; along what the measurement sees, or by these 1-sigma; false: never",
+      "recovery of a filter that locks the measurement out: after this many refusals in a row, or after this time if "
+      "other measurements contradict it; the covariance is increased along the measurement, or by these 1-sigma; "
+      "false: no recovery",
       {{"anyOf",
         {{{"const", false}},
          closed_object(
@@ -366,10 +365,10 @@ void add_measurement_definitions(Json& definitions) {
              {})}}});
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
-      {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
+      {"description", "samples withheld from the filter and scored instead: time windows, or every n-th sample"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
   definitions["update"] =
-      described("how a sample corrects the state: one linearization (ekf), Gauss-Newton's method, or sigma points",
+      described("update method: one linearization (ekf), Gauss-Newton iterations, or sigma points",
                 {{"anyOf",
                   {{{"enum", {"ekf", "iterated", "unscented"}}},
                    closed_object({{"type", {{"enum", {"ekf", "unscented"}}}}}, {"type"}),
@@ -379,7 +378,7 @@ void add_measurement_definitions(Json& definitions) {
                                    {{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}}}},
                                  {"type"})}}});
   definitions["stacked_measurement"] =
-      or_patch(closed_object({{"stack", described("measurement models whose rows make one update",
+      or_patch(closed_object({{"stack", described("measurement models whose rows are combined into one update",
                                                   some_named(ref("measurement_model")))},
                               {"channel", ref("channel")},
                               {"noise", ref("noise")},
@@ -400,52 +399,51 @@ void add_trust_definition(Json& definitions) {
     return described(about, {{"anyOf", {off, quantity_schema(parameter::number("", unit))}}});
   };
   definitions["trust"] = {
-      {"description", "limits of the filter's monitors, from which its verdict follows; false: no monitor counts"},
+      {"description", "limits of the filter's monitors, which determine its verdict; false: no monitoring"},
       {"anyOf",
-       {off,
-        closed_object(
-            {{"false_alarm", limit("1", "probability that innovations of a right filter fail, in ten minutes")},
-             {"nis", described("whether NIS is tested", on)},
-             {"bias", described("whether the mean of innovations is tested", on)},
-             {"correlation", described("whether innovations are tested for correlation in time", on)},
-             {"beyond_reason", limit("1", "NIS over its rows beyond which a filter is lost")},
-             {"after", limit("1", "refusals in a row that are a lock-out")},
-             {"refused", limit("1", "share of a measurement's rows beyond which a filter is lost")},
-             {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
-             {"silent", limit("s", "time without a sample of use beyond which a filter is doubtful")},
-             {"frozen", limit("s", "time that the driving input repeats itself beyond which a filter is doubtful")},
-             {"except", described("measurements that are not watched", {{"anyOf", {name, list_of(name)}}})}},
-            {})}}};
+       {off, closed_object(
+                 {{"false_alarm",
+                   limit("1", "probability that the innovations of a consistent filter fail a test in ten minutes")},
+                  {"nis", described("whether NIS is tested", on)},
+                  {"bias", described("whether the mean of innovations is tested", on)},
+                  {"correlation", described("whether innovations are tested for correlation in time", on)},
+                  {"beyond_reason", limit("1", "NIS per row beyond which a filter is lost")},
+                  {"after", limit("1", "number of refusals in a row that is a lock-out")},
+                  {"refused", limit("1", "fraction of a measurement's refused rows beyond which a filter is lost")},
+                  {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
+                  {"silent", limit("s", "time without a usable sample beyond which a filter is doubtful")},
+                  {"frozen", limit("s", "time of a repeated driving input beyond which a filter is doubtful")},
+                  {"except", described("measurements that are not monitored", {{"anyOf", {name, list_of(name)}}})}},
+                 {})}}};
 }
 
 void add_filter_definitions(Json& definitions) {
   const Json name = {{"type", "string"}};
   add_trust_definition(definitions);
   definitions["filter"] = or_patch(closed_object(
-      {{"blocks", described("what is estimated", some_named(ref("state_block")))},
+      {{"blocks", described("state blocks that are estimated", some_named(ref("state_block")))},
        {"derived",
-        described("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
-       {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
-       {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
+        described("values computed from blocks; models bind to them in the same way", named(ref("derived_block")))},
+       {"process", described("process models; exactly one advances each block", named(ref("process_model")))},
+       {"measurements", described("measurements, in the order of updates at one instant", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
-       {"covariance", described("the form in which P is kept", {{"enum", {"joseph", "ud", "square_root"}}})},
+       {"covariance", described("form of the covariance P", {{"enum", {"joseph", "ud", "square_root"}}})},
        {"propagation",
-        described("how x and P are propagated: by the models' Jacobians (ekf), or by sigma points through "
-                  "the models",
+        described("propagation of x and P: by the models' Jacobians (ekf), or by sigma points through the models",
                   {{"enum", {"ekf", "unscented"}}})},
-       {"emit",
-        described("when its channel has estimates: after accepted measurements, or after each step of its input too",
-                  {{"enum", {"measurements", "input"}}})},
+       {"emit", described("instants of the estimates on its channel: after accepted measurements, or also after each "
+                          "step of its input",
+                          {{"enum", {"measurements", "input"}}})},
        {"history",
-        described("how late a sample may be and is still applied at its time; `steps`: how many instants one arrival "
-                  "may cost",
+        described("largest delay of a sample that is still applied at its time; `steps`: largest number of instants "
+                  "for one arrival",
                   {{"anyOf",
                     {ref("quantity"), or_patch(closed_object({{"length", ref("quantity")},
                                                               {"steps", {{"type", "integer"}, {"minimum", 2}}}},
                                                              {"length"}))}}})},
        {"smoother",
-        described("smooths the filter; what comes of it is the filter NAME.smoothed",
+        described("smoother; its result is the filter NAME.smoothed",
                   {{"anyOf",
                     {{{"const", "fixed_interval"}},
                      or_patch(closed_object(
@@ -454,76 +452,78 @@ void add_filter_definitions(Json& definitions) {
                      or_patch(closed_object({{"type", {{"const", "fixed_interval"}}},
                                              {"iterations", {{"type", "integer"}, {"minimum", 0}, {"maximum", 100}}}},
                                             {"type"}))}}})},
-       {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
-                                    "filter; scored and recorded",
-                                    named(or_patch(closed_object({{"measurement", described("whose samples", name)},
-                                                                  {"block", described("what they imply", name)}},
-                                                                 {"measurement", "block"}))))}},
+       {"implied_states",
+        described(
+            "values of blocks implied by one measurement, with everything else from the filter; scored and recorded",
+            named(or_patch(closed_object({{"measurement", described("measurement with the samples", name)},
+                                          {"block", described("implied block", name)}},
+                                         {"measurement", "block"}))))}},
       {"blocks"}));
   definitions["reference"] = {
       {"anyOf",
        {closed_object({{"withheld", described("a measurement with withheld samples", name)},
-                       {"filter", described("whose; needed where several have it", name)}},
+                       {"filter", described("filter of the measurement; required if several filters have it", name)}},
                       {"withheld"}),
-        closed_object({{"channel", described("the channel with the truth", name)},
+        closed_object({{"channel", described("channel with the truth", name)},
                        {"blocks", described("FILTER/BLOCK: the channel's fields for its outputs",
                                             named({{"anyOf", {list_of(name), named(name)}}}))},
-                       {"invalid", described("a value that means there is none", {{"type", "number"}})}},
+                       {"invalid", described("value that marks an invalid sample", {{"type", "number"}})}},
                       {"channel", "blocks"})}}};
 }
 
 Json evaluate_schema() {
   const Json name = {{"type", "string"}};
-  const Json segments =
-      closed_object({{"lengths", described("of the true path; default 100 m, 200 m … 800 m", list_of(ref("quantity")))},
-                     {"every", described("from pose to pose of the path; default 0.1 s", ref("quantity"))},
-                     {"start_every",
-                      described("poses from one start to the next; default 10", {{"type", "integer"}, {"minimum", 1}})},
-                     {"attitude", described("which, where several of the filter are scored", name)}});
+  const Json segments = closed_object(
+      {{"lengths", described("lengths along the true path; default: 100 m, 200 m … 800 m", list_of(ref("quantity")))},
+       {"every", described("time between poses of the path; default: 0.1 s", ref("quantity"))},
+       {"start_every",
+        described("number of poses between starts of segments; default: 10", {{"type", "integer"}, {"minimum", 1}})},
+       {"attitude", described("attitude block, if several of the filter are scored", name)}});
   const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
-  return closed_object({{"after", described("nothing earlier is scored", ref("time"))},
-                        {"until", described("nothing later is scored", ref("time"))},
-                        {"estimates", described("of filters with history: what is scored and recorded",
-                                                {{"enum", {"settled", "live"}}})},
-                        {"segments", described("what metrics FILTER/POSITION.segments/translation and /rotation are "
-                                               "taken over: KITTI's measure",
-                                               segments)},
-                        {"windows", described("spans of time that are scored on their own too: [from, to]",
-                                              named({{"anyOf", {ref("window"), window_of_filter}}}))},
-                        {"metrics", described("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name",
-                                              {{"anyOf", {metric, list_of(metric)}}})}});
+  return closed_object(
+      {{"after", described("start of scoring", ref("time"))},
+       {"until", described("end of scoring", ref("time"))},
+       {"estimates",
+        described("estimates of filters with history that are scored and recorded", {{"enum", {"settled", "live"}}})},
+       {"segments",
+        described("segments for the metrics FILTER/POSITION.segments/translation and /rotation, as in KITTI",
+                  segments)},
+       {"windows", described("time windows that are also scored separately: [from, to]",
+                             named({{"anyOf", {ref("window"), window_of_filter}}}))},
+       {"metrics",
+        described("metrics to be printed, FILTER/BLOCK.OUTPUT/STATISTIC", {{"anyOf", {metric, list_of(metric)}}})}});
 }
 
 Json sections() {
   const Json name = {{"type", "string"}};
-  return {{"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
-          {"title", described("one line, for people", name)},
-          {"description", described("anything, for people", Json::object())},
-          {"extends", described("a config that this one is merged over (RFC 7386), or several",
-                                {{"anyOf", {name, list_of(name)}}})},
-          {"plugins", described("where else plugins are searched for",
-                                list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
-          {"vars", described("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it",
-                             {{"type", "object"}})},
-          {"sources", described("where samples come from: files, simulators", named(ref("source")))},
-          {"transforms", described("what makes samples out of samples", named(ref("transform")))},
-          {"filters", described("the filters; a later one may read an earlier one's estimates as a channel",
-                                some_named(ref("filter")))},
-          {"sinks", described("where samples go", named(ref("sink")))},
-          {"reference", described("what the filters are scored against",
-                                  {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
-          {"evaluate", described("when and by what the errors are scored", evaluate_schema())},
-          {"record",
-           described("what --out records",
-                     closed_object({{"every", described("one record for every multiple of this after the first, of the "
-                                                        "instant nearest to it; else every step",
-                                                        ref("quantity"))}}))},
-          {"study", described("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
-          {"covariance",
-           described("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
-          {"tune", described("parameters and objective: see the guide to tuning", {{"type", "object"}})},
-          {"metrics", described("what a study reports of every run, as \"metrics\" of \"study\"", Json::object())}};
+  return {
+      {"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
+      {"title", described("title in one line", name)},
+      {"description", described("description in any form", Json::object())},
+      {"extends",
+       described("one or more configs over which this one is merged (RFC 7386)", {{"anyOf", {name, list_of(name)}}})},
+      {"plugins",
+       described("additional places of plugins",
+                 list_of({{"type", "string"}, {"description", "a plugin file, or a folder of plugin files"}}))},
+      {"vars", described("values of variables \"${NAME}\" in the config; --var NAME=TEXT overrides them",
+                         {{"type", "object"}})},
+      {"sources", described("sources of samples: files, live input, simulators", named(ref("source")))},
+      {"transforms", described("transforms, which compute samples from samples", named(ref("transform")))},
+      {"filters", described("filters; a filter may read the estimates of an earlier filter as a channel",
+                            some_named(ref("filter")))},
+      {"sinks", described("sinks of samples: files, live output", named(ref("sink")))},
+      {"reference", described("reference values for the scores of the filters",
+                              {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
+      {"evaluate", described("time windows and metrics of the scores", evaluate_schema())},
+      {"record", described("records of --out",
+                           closed_object({{"every", described("time between records: one record at the instant nearest "
+                                                              "to each multiple after the first; default: every step",
+                                                              ref("quantity"))}}))},
+      {"study", described("study: variants, runs and tables; see its guide", {{"type", "object"}})},
+      {"covariance", described("covariance analysis: truth models and outputs; see its guide", {{"type", "object"}})},
+      {"tune", described("tuning: parameters and objective; see its guide", {{"type", "object"}})},
+      {"metrics", described("metrics of every run, as \"metrics\" of \"study\"", Json::object())}};
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
   Findings& list = findings ? *findings : ignored;
   const std::optional<Best> found_best = search_lengths(inertial, fixes, delay, bias);
   if (!found_best) {
-    report_open(imu, "there is too little motion to say that signs and order of the axes are right",
+    report_open(imu, "there is too little motion to check the signs and the order of the axes",
                 "fewer than four windows of 10 s with velocities", list);
     return axes;
   }
@@ -219,9 +219,8 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
   if (confidence < 0.99) {
     axes.is_ruled_out = best.chance(best.over_identity) < 0.01;
     report_open(imu,
-                axes.is_ruled_out
-                    ? "signs or order of the axes are not right, and these data do not show which are wrong"
-                    : "there is too little motion to say that signs and order of the axes are right",
+                axes.is_ruled_out ? "signs or order of the axes are wrong, and these data do not show which"
+                                  : "there is too little motion to check the signs and the order of the axes",
                 evidence, list);
     return axes;
   }

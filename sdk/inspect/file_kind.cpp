@@ -24,7 +24,7 @@ DataError cannot_be_opened(const std::string& path, const std::string& why) {
 std::string begin_of(const std::string& path) {
   if (std::filesystem::is_directory(path))
     throw cannot_be_opened(path, "is a folder: name its files, or a config (.json) whose sources read them");
-  if (wording::is_special_file(path)) throw cannot_be_opened(path, "is no regular file");
+  if (wording::is_special_file(path)) throw cannot_be_opened(path, "is not a regular file");
   const gzFile file = gzopen(path.c_str(), "rb");
   if (!file) throw cannot_be_opened(path, std::string("cannot be opened: ") + std::strerror(errno));
   std::string text(1 << 16, '\0');

@@ -169,7 +169,7 @@ void ask_vertical(const Channel& channel, Fixes& fixes, VelocityRelation& relati
   if (fit.used == 0 || std::abs(slope) < 6 * error || error > 0.1 * std::max(1.0, std::abs(slope))) {
     Finding found = finding(channel, "vertical", "vd, height", Severity::unknown);
     found.value = slope;
-    found.text = "too little climbing to say whether vd points down and height is in its unit";
+    found.text = "too little climbing to check the sign of vd and the unit of the height";
     found.evidence = evidence;
     findings.push_back(std::move(found));
     return;
@@ -321,7 +321,7 @@ void report_upside_down(const Channel& channel, double slope, bool is_known, boo
                : velocity_is_at_fault ? "vd is positive upwards"
                                       : "height has the wrong sign";
   found.evidence = fmt::format("heights sink by {} times the integral of vd{}", figure(slope),
-                               is_known ? "; the specific force goes with one sign of vd" : "");
+                               is_known ? "; the specific force supports one sign of vd" : "");
   found.confidence = 0.99;
   if (is_known) found.meaning = column_patch(channel, {found.field}, {{"scale", -1}});
   findings.push_back(std::move(found));
@@ -361,7 +361,7 @@ void ask_frozen(const Channel& channel, const Fixes& fixes, Findings& findings) 
        [&](std::size_t a, std::size_t b) {
          return (fixes.t[b] - fixes.t[a]) * std::min(fixes.v[a].head<2>().norm(), fixes.v[b].head<2>().norm()) > 5;
        },
-       "position_held", "lat, lon", "the position is held while the velocity goes on");
+       "position_held", "lat, lon", "the position is held while the velocity changes");
   // Jumps: beyond ten times the 99th percentile of what single steps are off by, and 5 m.
   std::vector<double> off{0};
   for (std::size_t i = 1; i < fixes.t.size(); ++i) {

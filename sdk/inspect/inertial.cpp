@@ -108,7 +108,8 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
     found.severity = Severity::unknown;
     found.text = fmt::format("nothing here shows the unit of the rates; taken as {} ({})",
                              field.unit.empty() ? "rad/s" : field.unit, field.is_guessed ? "guessed" : "stated");
-    found.evidence = turning.used == 0 ? "no velocities to compare with" : "course rates do not go with the rates";
+    found.evidence =
+        turning.used == 0 ? "no velocities to compare with" : "course rates do not follow the angular rates";
     findings.push_back(std::move(found));
     return 1;
   }

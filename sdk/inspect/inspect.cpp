@@ -43,13 +43,12 @@ void say_unknown(const Channel& channel, const char* kind, std::string text, Fin
 /// What no question below is about.
 void ask_meaning(const Channel& channel, Findings& findings) {
   if (channel.has_rows)
-    say_unknown(channel, "rows", channel.name + ": a row for each satellite, anchor or the like: not looked at",
-                findings);
+    say_unknown(channel, "rows", channel.name + ": a row for each satellite or anchor: not inspected", findings);
   else if (std::ranges::all_of(channel.fields, [](const Field& field) { return field.unit.empty(); }))
     say_unknown(channel, "fields",
                 channel.name +
-                    ": no column has a name that is known (wx, gyro_x, lat, vel_n and the like): numbers and labels "
-                    "are looked at, what they mean is not",
+                    ": no column has a known name (wx, gyro_x, lat, vel_n …): only numbers and labels are inspected, "
+                    "not their meaning",
                 findings);
   else if (channel.is_inertial() && channel.is_fix())
     say_unknown(channel, "fields",
@@ -85,7 +84,7 @@ void ask_one(Channel& channel, Findings& findings) {
       found.channel = channel.name;
       found.field = field.name;
       found.text = fmt::format("column '{}' has no unit: {} is guessed", field.column, field.unit);
-      found.evidence = "its name, or how it behaves";
+      found.evidence = "its name, or its values";
       found.confidence = 0.5;
       findings.push_back(std::move(found));
     }
@@ -130,7 +129,8 @@ class Pair {
     const double difference = gnss_.first_label - imu_.first_label;
     const auto coarse = ask_clocks(imu_, gnss_, inertial_, fixes_, difference, findings, inspection_.plots);
     if (!coarse) {
-      say("delay", "turning does not show how the clocks relate: axes, delay and mounting are not looked for");
+      say("delay",
+          "the turns do not determine the relation of the clocks: axes, delay and mounting are not determined");
       ask_rate_unit(imu_, inertial_, {}, findings);
       rest_ = find_rest(inertial_);
       ask_rest(imu_, inertial_, rest_, findings);
@@ -253,7 +253,7 @@ Inspection inspect(std::vector<Channel> channels) {
       found.kind = "axes";
       found.channel = channel.name;
       found.severity = Severity::unknown;
-      found.text = dead->field + " is constant: units, axes, delay and mounting are not looked for";
+      found.text = dead->field + " is constant: units, axes, delay and mounting are not determined";
       findings.push_back(std::move(found));
       continue;
     }

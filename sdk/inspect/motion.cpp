@@ -101,8 +101,8 @@ Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& wind
                          : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
                                        figure(fit.standard_error[k]));
     found.evidence = fmt::format(
-        "what is left of {} horizontal differences of velocity, against turning; its error is larger than stated where "
-        "axes or clocks are off",
+        "residuals of {} horizontal differences of velocity against turning; the error is larger than stated if axes "
+        "or clocks are wrong",
         fit.used / 2);
     found.confidence = 0.9;
     findings.push_back(std::move(found));
@@ -185,7 +185,7 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   found.channel = imu.name;
   if (mean.windows < 3) {
     found.severity = Severity::unknown;
-    found.text = "there is too little motion to say how the sensor is mounted";
+    found.text = "there is too little motion to determine the mounting of the sensor";
     findings.push_back(std::move(found));
     return std::nullopt;
   }
@@ -194,7 +194,7 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   const double error = mean.scatter / std::sqrt(static_cast<double>(mean.windows));
   if (error * degrees > 5) {
     found.severity = Severity::unknown;
-    found.text = fmt::format("the motion does not show how the sensor is mounted: windows differ by {:.0f} deg",
+    found.text = fmt::format("the motion does not determine the mounting of the sensor: windows differ by {:.0f} deg",
                              mean.scatter * degrees);
     findings.push_back(found);
     report_order(found, M, error, findings);
@@ -234,7 +234,7 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
   Windows windows(inertial, fixes, delay, 5);
   windows.set_lever_arm(lever_arm);
   std::vector<double> rms;
-  Plot plot{"Velocities against specific force: rms of what is left in windows of 5 s",
+  Plot plot{"Velocities against specific force: rms of the residuals in windows of 5 s",
             "time of " + gnss.name + " [s]",
             "m/s",
             {}};
@@ -278,8 +278,7 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
       fmt::format("velocities contradict the specific force for {} s, first at {} s: differences are off by {} m/s rms",
                   figure(seconds), figure(found.from), figure(found.value));
   found.evidence = fmt::format(
-      "what is left in windows of 5 s, where the receiver states a larger deviation than usual by so much less: {} m/s "
-      "rms "
+      "residuals in windows of 5 s, scaled down where the receiver reports a larger deviation than usual: {} m/s rms "
       "usually, limit {} m/s",
       figure(std::exp(median(logs))), figure(limit));
   findings.push_back(std::move(found));

@@ -159,7 +159,7 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
 
 Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder) {
   Json config = {{"binnacle", 1},
-                 {"title", "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
+                 {"title", "Proposed by binnacle inspect; noises are those of a typical MEMS sensor, not measured"}};
   for (const Channel* channel : {&imu, &gnss}) config["sources"][source_name(*channel)] = source_of(*channel, folder);
   apply(inspection.findings, config);
   std::string input = imu.name;

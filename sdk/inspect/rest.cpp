@@ -147,7 +147,7 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
     bias.text =
         fmt::format("{} deg/s {}, noise {} deg/s ({} deg/sqrt(h) if it is white)", figure(rest.mean_w[k] * 57.29578),
                     when, figure(rest.sigma_w[k] * 57.29578), figure(rest.sigma_w[k] * root * 57.29578 * 60));
-    bias.evidence = fmt::format("mean over {} s of rest; what the noise is: binnacle allan", figure(rest.seconds));
+    bias.evidence = fmt::format("mean over {} s of rest; for the noise, use binnacle allan", figure(rest.seconds));
     findings.push_back(std::move(bias));
   }
   for (int k = 0; k < 3; ++k) {

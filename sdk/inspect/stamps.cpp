@@ -82,9 +82,8 @@ void ask_stamps(const Channel& channel, Findings& findings) {
     Finding found = finding(channel, "nan", static_cast<double>(channel.bad_labels), "", Severity::warning);
     found.field = channel.time_column;
     found.text = fmt::format(
-        "{} of {} labels are no number and no date with a time of day (ISO 8601); how the source 'csv' reads dates, "
-        "times "
-        "and weeks of columns of their own: binnacle describe csv",
+        "{} of {} labels are no number and no date with a time of day (ISO 8601); for dates, times and weeks in "
+        "separate columns, see: binnacle describe csv",
         channel.bad_labels, t.size());
     found.evidence = "cells of the column of times";
     findings.push_back(std::move(found));

@@ -56,10 +56,10 @@ std::optional<ip::address> number_of(std::string_view host) {
 ip::tcp::endpoint endpoint_of(std::string_view text) {
   const auto [host, port_text] = parts_of(text);
   const auto port = port_of(port_text);
-  if (!port) refuse(text, "'" + std::string(port_text) + "' is no port");
+  if (!port) refuse(text, "'" + std::string(port_text) + "' is not a port");
   if (host.empty() || is_localhost(host)) return {ip::address_v4::loopback(), *port};
   const auto address = number_of(host);
-  if (!address) refuse(text, "'" + std::string(host) + "' is no address");
+  if (!address) refuse(text, "'" + std::string(host) + "' is not an address");
   return {*address, *port};
 }
 

@@ -30,7 +30,7 @@ std::string text_of(const tcp::endpoint& endpoint) {
 
 [[noreturn]] void refuse(const tcp::endpoint& endpoint, const boost::system::error_code& error) {
   throw AddressError("--page: the page cannot be served at " + text_of(endpoint) + ": " + error.message() +
-                     "; expected an address of this machine and a port that nobody uses, or port 0 for any free one");
+                     "; expected an address of this machine and a free port, or port 0 for any free one");
 }
 
 }  // namespace

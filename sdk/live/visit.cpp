@@ -33,11 +33,11 @@ void Visit::start() {
 void Visit::answer(const boost::system::error_code& error) {
   if (!error) return answer_request();
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
-    return refuse(http::status::request_header_fields_too_large, "a request has no more than 8 kB here");
+    return refuse(http::status::request_header_fields_too_large, "a request may have 8 kB at most");
   if (error == http::error::unexpected_body)
-    return refuse(http::status::payload_too_large, "a request has no body here");
+    return refuse(http::status::payload_too_large, "a request may not have a body");
   if (error.category() == make_error_code(http::error::bad_method).category() && error != http::error::end_of_stream)
-    return refuse(http::status::bad_request, "this is no HTTP request");
+    return refuse(http::status::bad_request, "this is not an HTTP request");
 }
 
 void Visit::answer_request() {
@@ -52,9 +52,9 @@ void Visit::answer_request() {
     return refuse(http::status::forbidden, "the page's data are for the page; the request comes from another site");
   if (request.method() != http::verb::get) return refuse(http::status::method_not_allowed, "only GET is answered");
   if (request.target() == "/") return reply(http::status::ok, "text/html; charset=utf-8", server_.page());
-  if (request.target() != "/events") return refuse(http::status::not_found, "there is nothing but the page, at /");
+  if (request.target() != "/events") return refuse(http::status::not_found, "only the page exists, at /");
   if (!server_.has_room_for_viewer())
-    return refuse(http::status::service_unavailable, "as many pages are open as may be");
+    return refuse(http::status::service_unavailable, "the limit of open pages is reached");
   server_.add_viewer(stream_.release_socket(), std::move(ticket_));
 }
 

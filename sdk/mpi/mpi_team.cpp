@@ -61,7 +61,7 @@ class MpiTeam final : public Team {
  public:
   MpiTeam(milliseconds longest, void (*give_up)(const char* message)) : longest_(longest), give_up_(give_up) {
     const Alarm alarm(longest, give_up,
-                      "the ranks have not found each other within " + in_seconds(longest) +
+                      "the ranks did not connect to each other within " + in_seconds(longest) +
                           "; one of them, or its machine, may be stopped");
     int given = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
@@ -121,7 +121,7 @@ class MpiTeam final : public Team {
     MPI_Ibarrier(MPI_COMM_WORLD, &barrier);
     if (!take_in_until([&barrier] { return is_through(barrier); })) return false;
     const Alarm alarm(longest_, give_up_,
-                      "the ranks have not come to their end together within " + in_seconds(longest_) +
+                      "the ranks did not end together within " + in_seconds(longest_) +
                           "; one of them, or its machine, may be stopped");
     MPI_Finalize();
     return true;

@@ -29,7 +29,7 @@ Parsed<When> read_time(std::string_view text) {
   when.from_start = take("start");
   if (when.from_start && text.empty()) return when;
   const bool is_negative = take("-");
-  if (!is_negative && !take("+") && when.from_start) return Result::failure(quoted + " is no time");
+  if (!is_negative && !take("+") && when.from_start) return Result::failure(quoted + " is not a time");
   take("");
   const bool has_unit = text.find_first_not_of("0123456789.eE+-") != std::string_view::npos;
   const auto time = parse_time(has_unit ? std::string(text) : std::string(text) + " s");

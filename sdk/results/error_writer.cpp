@@ -98,8 +98,8 @@ void ErrorWriter::write_scalar(const score::ErrorSeries& errors, std::size_t bas
   if (is_norm(info_, errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
   if (errors.sigma.empty()) return;
   const std::string sigma_name = names_.take(errors.name + "_sigma");
-  const int sigma = add_variable(sigma_name, {bases_[base].dimension}, errors,
-                                 errors.name + ": what the filter thought of the error, 1-sigma");
+  const int sigma =
+      add_variable(sigma_name, {bases_[base].dimension}, errors, errors.name + ": the filter's 1-sigma of the error");
   group_.put_text(id, "ancillary_variables", sigma_name);
   write_values(sigma, -1, errors.sigma);
 }
@@ -136,7 +136,7 @@ ErrorWriter::BlockErrors ErrorWriter::add_block_errors(const score::ErrorSeries&
   group_.put_text(own.values, "series", block.name);
   if (errors.sigma.empty()) return own;
   const std::string sigma_name = names_.take(block.name + "_sigma");
-  own.sigmas = add(sigma_name, block.name + ": what the filter thought of the error, 1-sigma");
+  own.sigmas = add(sigma_name, block.name + ": the filter's 1-sigma of the error");
   group_.put_text(own.values, "ancillary_variables", sigma_name);
   return own;
 }

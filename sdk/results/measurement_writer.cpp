@@ -113,7 +113,7 @@ void MeasurementWriter::close() {
   for (const auto& [text, number] : reasons_) texts[as_size(number)] = text;
   const int dimension = group_.add_dimension("reason_text", texts.size());
   const int id = group_.add_texts("reason_text", {dimension}, texts);
-  group_.put_text(id, "long_name", "what `reason` is an index of; empty: it was used");
+  group_.put_text(id, "long_name", "texts for the index `reason`; empty: the sample was used");
 }
 
 /// As soon as it is known how long a chunk may be: that of a few samples would be mostly empty.
@@ -144,7 +144,7 @@ void MeasurementWriter::describe(int variable, const std::string& long_name, con
 
 void MeasurementWriter::add_outcome() {
   outcome_ = add_variable("outcome", NC_BYTE);
-  group_.put_text(outcome_, "long_name", "what became of the sample");
+  group_.put_text(outcome_, "long_name", "outcome of the sample");
   std::vector<signed char> values(outcome_count);
   std::string meanings;
   for (int o = 0; o < outcome_count; ++o) {
@@ -171,12 +171,12 @@ void MeasurementWriter::add_row_group(const RowGroupInfo& info, bool is_one_of_s
   rows.residual = add("residual", NC_DOUBLE, "measured - predicted" + of, info.unit);
   rows.sigma =
       add("residual_sigma", NC_DOUBLE,
-          "what the filter expected of the residual" + of + ", 1-sigma: root of the diagonal of H P H' + R", info.unit);
+          "the filter's uncertainty of the residual" + of + ", 1-sigma: root of the diagonal of H P H' + R", info.unit);
   rows.noise =
       add("noise", NC_DOUBLE,
           "measurement noise" + of + ", 1-sigma: root of the diagonal of R, adapted where a noise estimator does so",
           info.unit);
-  rows.key = add("key", NC_INT64, "who the row is: a satellite, say; else its number", "");
+  rows.key = add("key", NC_INT64, "identity of the row, for example a satellite; otherwise its number", "");
   group_.put_text(rows.residual, "ancillary_variables",
                   "residual_sigma" + suffix + " noise" + suffix + " key" + suffix);
   row_groups_.push_back(rows);

@@ -221,7 +221,7 @@ std::string Group::text(int variable, const std::string& attribute) const {
   nc_type type = NC_NAT;
   std::size_t length = 0;
   check(nc_inq_att(id_, variable, attribute.c_str(), &type, &length));
-  if (type != NC_CHAR) throw Failure("its attribute '" + attribute + "' is no text");
+  if (type != NC_CHAR) throw Failure("its attribute '" + attribute + "' is not a text");
   std::string text(length, '\0');
   check(nc_get_att_text(id_, variable, attribute.c_str(), text.data()));
   return text;
@@ -239,7 +239,7 @@ std::vector<signed char> Group::bytes(int variable, const std::string& attribute
 std::uint64_t Group::natural(int variable, const std::string& attribute) const {
   std::size_t length = 0;
   check(nc_inq_attlen(id_, variable, attribute.c_str(), &length));
-  if (length != 1) throw Failure("its attribute '" + attribute + "' is no number");
+  if (length != 1) throw Failure("its attribute '" + attribute + "' is not a number");
   unsigned long long value = 0;
   check(nc_get_att_ulonglong(id_, variable, attribute.c_str(), &value));
   return value;

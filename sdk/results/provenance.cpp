@@ -48,14 +48,14 @@ void write_provenance(nc::Group root, const std::string& kind, const Json& confi
 }
 
 void read_provenance(nc::Group root, const std::string& kind, Json& config, Json& provenance) {
-  if (!root.has(NC_GLOBAL, "binnacle_layout")) throw nc::Failure("it is a NetCDF file, but none that Binnacle made");
+  if (!root.has(NC_GLOBAL, "binnacle_layout")) throw nc::Failure("it is a NetCDF file, but not one from Binnacle");
   if (root.natural(NC_GLOBAL, "binnacle_layout") != static_cast<std::uint64_t>(layout))
     throw nc::Failure("it was made by another version of Binnacle (" + root.text(NC_GLOBAL, "version") + ")");
   if (root.text(NC_GLOBAL, "binnacle_kind") != kind) throw nc::Failure("it is no " + kind);
   const auto variable = root.variable("config");
   const auto texts = variable ? root.read_texts(*variable) : std::vector<std::string>{};
   config = texts.size() == 1 ? Json::parse(texts[0], nullptr, false) : Json(Json::value_t::discarded);
-  if (config.is_discarded()) throw nc::Failure("its variable 'config' is no JSON");
+  if (config.is_discarded()) throw nc::Failure("its variable 'config' is not JSON");
   provenance = Json::object();
   for (const char* key : {"version", "command"})
     if (root.has(NC_GLOBAL, key)) provenance[key] = root.text(NC_GLOBAL, key);

@@ -19,17 +19,17 @@ namespace fs = std::filesystem;
 }
 
 void require_regular(const fs::path& path, const char* verb) {
-  if (wording::is_special_file(path)) fail(path, "it is no regular file", verb);
+  if (wording::is_special_file(path)) fail(path, "it is not a regular file", verb);
 }
 
 /// The JSON that is put in place last: without it the folder is not whole.
 Json read_json(const fs::path& path, const char* verb) {
   require_regular(path, verb);
   std::ifstream file(path, std::ios::binary);
-  if (!file) fail(path, "it is not there, so that the others may not be whole", verb);
+  if (!file) fail(path, "it is missing, so the others may be incomplete", verb);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) fail(path, "it is no JSON object", verb);
+  if (json.is_discarded() || !json.is_object()) fail(path, "it is not a JSON object", verb);
   return json;
 }
 
@@ -65,7 +65,7 @@ std::optional<StudyResults> read_study(const fs::path& folder) {
 
 Results read(const fs::path& folder) {
   std::error_code ignored;
-  if (!fs::is_directory(folder, ignored)) throw std::runtime_error("'" + folder.string() + "' is no folder");
+  if (!fs::is_directory(folder, ignored)) throw std::runtime_error("'" + folder.string() + "' is not a folder");
   const fs::path run = folder / "run.nc";
   Results results;
   if (fs::exists(run, ignored)) {

@@ -32,7 +32,7 @@ std::string describe_column(const std::string& name) {
   const std::size_t local = name.rfind(".local_");
   if (local != name.npos)
     return name.substr(0, local) + ": " + name.substr(local + 7) + " of the config's origin, local Cartesian axes";
-  return name + (name.ends_with(".sigma") ? ": what the filter thinks of the implied state, 1-sigma"
+  return name + (name.ends_with(".sigma") ? ": the filter's 1-sigma of the implied state"
                                           : ": implied state, a block as one measurement gives it");
 }
 

@@ -48,7 +48,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
 /// Which runs broke; why is in study.json.
 void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
   const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {{1, study.runs}});
-  root.put_text(id, "long_name", "what came of the run");
+  root.put_text(id, "long_name", "outcome of the run");
   root.put_bytes(id, "flag_values", {0, 1});
   root.put_text(id, "flag_meanings", "finished failed");
   std::vector<signed char> states(study.variants.size() * study.runs, 0);
@@ -89,7 +89,7 @@ void write_table(nc::Group group, const Json& table) {
   for (const auto& line : table.at("cells"))
     for (const auto& cell : line) cells.push_back(cell.is_string() ? cell.get<std::string>() : "");
   add_texts(group, "unit", {row, column}, "units of the values", units);
-  add_texts(group, "text", {row, column}, "what stands in a cell that has no value", cells);
+  add_texts(group, "text", {row, column}, "text of a cell without a value", cells);
   const auto add = [&](const char* name, const char* long_name, const Json& values) {
     const int id = group.add_variable(name, NC_DOUBLE, {row, column}, {{rows.size(), columns.size()}});
     group.fill_with_nan(id);

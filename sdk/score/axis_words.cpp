@@ -96,7 +96,7 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
   const std::string vertical = axis(-down, input.force);
   if (turn.kind == opposite && hand < 0) {
     all.push_back(velocity_is_right
-                      ? "gyros and curves say that the vertical axis" + its +
+                      ? "gyros and turns show that the vertical axis" + its +
                             " is the other way round: is the sign of " + vertical.substr(1) + " wrong?"
                       : course + " is mirrored against the turns" + its + ": are " + in_quotes(fix.velocity.name[0]) +
                             " and " + in_quotes(fix.velocity.name[1]) + " swapped, or is one's sign wrong?");
@@ -112,17 +112,18 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
     all.push_back("the turns of the gyros" + its + " are " + number(turn.scale) + " times those of " + course +
                   ": is their unit or scale wrong?");
   if (hand < 0)
-    all.push_back("the accelerometers" + its + " feel acceleration ahead along " +
+    all.push_back("the accelerometers" + its + " measure forward acceleration along " +
                   axis(significance(axes.ahead), input.force) + ", to the right along " +
-                  axis(significance(axes.aside), input.force) + " and the ground's support along " + vertical +
-                  ": that is a left hand; are two axes swapped, or is a sign wrong?");
+                  axis(significance(axes.aside), input.force) + " and the support of the ground along " + vertical +
+                  ": these axes are left-handed; are two axes swapped, or is a sign wrong?");
   const auto [angle, sigma] = way_ahead(axes, down);
   const bool is_askew = hand > 0 && std::abs(angle) > std::max(most_askew, sigmas * sigma);
   if (is_askew && std::abs(down.x()) < half && !input.rolls.empty())
-    all.push_back("the accelerometers" + its + " feel acceleration ahead " +
-                  number(std::round(std::abs(angle) * 180 / std::numbers::pi)) + " deg to the " +
-                  (angle > 0 ? "right" : "left") + " of the x axis, along which " + in_quotes(input.rolls) +
-                  " takes the vehicle to move: is the sensor mounted otherwise, or are axes exchanged?");
+    all.push_back(
+        "the accelerometers" + its + " measure forward acceleration " +
+        number(std::round(std::abs(angle) * 180 / std::numbers::pi)) + " deg to the " + (angle > 0 ? "right" : "left") +
+        " of the x axis, along which " + in_quotes(input.rolls) +
+        " assumes the motion of the vehicle: is the mounting of the sensor different, or are axes exchanged?");
   return all;
 }
 

@@ -22,7 +22,7 @@ std::string clock_text(const FixFields& fix, const InertialFields& input, const 
   std::snprintf(text, sizeof text, "best %.2f s %s than they are labelled (1-sigma %.2f s)", std::abs(shift.seconds),
                 shift.seconds > 0 ? "earlier" : "later", shift.sigma);
   return "the samples of " + in_quotes(fix.channel_name) + " fit those of " + in_quotes(input.channel_name) + " " +
-         text + ": one of the two clocks may be off";
+         text + ": one of the two clocks may be wrong";
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ void FilterScore::warn_of_empty_spans(Diagnostics& warnings) const {
     std::snprintf(ran, sizeof ran, "%.1f s to %.1f s", seconds(start()), seconds(session_->time(FilterId{filter_})));
     warnings.warning("B121", place.origin, place.pointer,
                      "no sample of a reference of '" + info_.name + "' lies in " + name +
-                         ", so nothing is evaluated there; the filter ran from " + ran);
+                         ", so nothing is evaluated; the filter ran from " + ran);
   };
   look(plan_.span, plan_.place, "'after' to 'until'");
   for (const auto& window : plan_.windows)

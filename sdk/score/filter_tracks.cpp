@@ -63,10 +63,10 @@ void FilterScore::warn_of_no_segments(const Metric& metric, Diagnostics& warning
   if (errors.count > 0) return;
   char shortest[40];
   std::snprintf(shortest, sizeof shortest, "%g m", *std::ranges::min_element(plan_.segments.lengths));
-  const std::string why =
-      errors.poses == 0 ? "no reference gives position and attitude at one and the same time within 'after' to 'until'"
-                        : "the " + std::to_string(errors.poses) + " poses of the path are not " + shortest +
-                              " long, the shortest of 'lengths'";
+  const std::string why = errors.poses == 0
+                              ? "no reference gives position and attitude at the same time between 'after' and 'until'"
+                              : "the " + std::to_string(errors.poses) + " poses of the path are not " + shortest +
+                                    " long, the shortest of 'lengths'";
   warnings.warning("B125", {}, "/evaluate/metrics", "metric " + in_quotes(metric.name) + " has no segment: " + why);
 }
 

@@ -154,7 +154,7 @@ Parsed<Metric> read_metric(const ScorePlan& plan, std::string_view text) {
   };
   const auto first = text.find('/'), last = text.rfind('/');
   if (first == std::string_view::npos || first == last)
-    return failure("it does not read FILTER/BLOCK.OUTPUT/STATISTIC");
+    return failure("it is not of the form FILTER/BLOCK.OUTPUT/STATISTIC");
   Metric metric;
   metric.name = text;
   const Names filters = names_of(plan.filters);

@@ -154,13 +154,12 @@ class Scorer final : public binnacle::RunObserver {
     windows_ = across_windows(*plan_, scores_);
   }
   [[noreturn]] static void refuse_smoothing() {
-    throw ConfigError(
-        Diagnostic{Severity::error,
-                   "B143",
-                   {},
-                   "/filters",
-                   "what comes once, of live sources or recorded input, cannot be smoothed when the run is "
-                   "over; a \"fixed_lag\" smooths it while it goes on"});
+    throw ConfigError(Diagnostic{Severity::error,
+                                 "B143",
+                                 {},
+                                 "/filters",
+                                 "what comes once, of live sources or recorded input, cannot be smoothed when the run "
+                                 "is over; a \"fixed_lag\" smooths it during the run"});
   }
   /// Filters with history see references as they are settled, unless their live estimates are scored.
   bool is_scored_settled(int filter) const {

@@ -58,7 +58,7 @@ bool have_stood_still(Clock::time_point& last_look, const Timeouts& timeouts) {
 }
 
 std::string silent_for(const Timeouts& timeouts) {
-  return "no message for " + std::to_string(timeouts.silence.count() / 1000) + " s, so it is taken for dead";
+  return "no message for " + std::to_string(timeouts.silence.count() / 1000) + " s, so it is considered dead";
 }
 
 /// How long a rank may still read its study once another has; that one took `loading`. It may be slow; but a plugin's call there
@@ -68,7 +68,7 @@ std::chrono::milliseconds time_to_load(const Timeouts& timeouts, Clock::duration
 }
 
 std::string still_loading(std::chrono::milliseconds time) {
-  return "it is alive, but still reads its study, " + std::to_string(time.count() / 1000) +
+  return "it is alive, but is still reading its study, " + std::to_string(time.count() / 1000) +
          " s after this rank had; a plugin's call may not come back";
 }
 
@@ -84,8 +84,8 @@ std::string difference(const Json& ours, const Json& theirs) {
   for (const auto& [what, hash] : ours.items()) {
     if (theirs.contains(what) && theirs.at(what) == hash) continue;
     if (what == "arithmetic")
-      return "its processor or C library rounds sines and logarithms otherwise than that of rank 0, so figures would "
-             "depend on who does a run; take machines of one kind";
+      return "its processor or C library rounds sines and logarithms differently from that of rank 0, so figures would "
+             "depend on the rank of a run; use machines of one type";
     return "its " + what + " is another than that of rank 0";
   }
   for (const auto& [what, hash] : theirs.items())
@@ -507,7 +507,7 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
   work.join();
   if (correspondence.is_dismissed() && !team.leave(timeouts.silence))
     fail(1, "a rank",
-         "has not come to its end within " + std::to_string(timeouts.silence.count() / 1000) +
+         "did not end within " + std::to_string(timeouts.silence.count() / 1000) +
              " s, it or its machine may be stopped");
   return correspondence.is_dismissed();
 }

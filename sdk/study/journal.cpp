@@ -67,8 +67,8 @@ Journal::Journal(const std::filesystem::path& path, const Study& study, Results&
   file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
   if (file_ < 0) fail(path_);
   try {
-    if (!std::filesystem::is_regular_file(path_)) refuse(path_, 0, "it is no regular file");
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) refuse(path_, 0, "another study is at work in this folder");
+    if (!std::filesystem::is_regular_file(path_)) refuse(path_, 0, "it is not a regular file");
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) refuse(path_, 0, "another study is running in this folder");
     restore(study, results);
   } catch (...) {
     ::close(file_);
@@ -95,13 +95,13 @@ void Journal::restore(const Study& study, Results& results) {
     const auto line = read_line(std::string_view(text).substr(at, end - at));
     if (at == 0) {
       if (!line || !line->is_object() || !line->contains("binnacle study"))
-        refuse(path_, 1, "this is no journal of a study; give another --out, or delete the file");
+        refuse(path_, 1, "this is not a journal of a study; give another --out, or delete the file");
       if (text.substr(0, end + 1) != head) {
         const bool is_seed = line->value("seed", Json()) != Json(study.seed());
         refuse(path_, 1,
                std::string("this journal is of a study with another ") +
                    (is_seed ? "seed" : "config, program or plugin") +
-                   "; give another --out, or delete the file to begin anew");
+                   "; give another --out, or delete the file to start again");
       }
       good = end + 1;
       continue;

@@ -79,7 +79,7 @@ Complaints check_derived_value(const DerivedCaller& derived, const PortStates& p
   if (with.result.refusal != without.result.refusal) out.add("without Jacobians it refuses otherwise");
   if (with.value.size() != without.value.size() ||
       !std::equal(with.value.begin(), with.value.end(), without.value.begin(), same_bits))
-    out.add("the value is another one when no Jacobian is wanted");
+    out.add("the value differs when no Jacobian is requested");
   return out;
 }
 

@@ -102,7 +102,7 @@ auto called(const char* name, const Call& call) {
   } catch (const std::exception& error) {
     throw CallThrew(std::string("an exception crosses in ") + name + "(): " + error.what());
   } catch (...) {
-    throw CallThrew(std::string("something that is no std::exception crosses in ") + name + "()");
+    throw CallThrew(std::string("something that is not a std::exception crosses in ") + name + "()");
   }
 }
 

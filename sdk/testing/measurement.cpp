@@ -165,14 +165,14 @@ Complaints check_values(const MeasurementCaller& measurement, const Given& given
   const Measured without = measurement.linearize(given, ports, memory, unwritten(), false);
   if (!without.damage.empty()) out.add("without H: ", without.damage);
   if (with.result.refusal != without.result.refusal) out.add("without H it refuses otherwise");
-  if (!same(with.residual, without.residual)) out.add("the residual is another one when no H is wanted");
-  if (!same(with.R, without.R)) out.add("R is another one when no H is wanted");
-  if (with.keys != without.keys) out.add("the keys of the rows are others when no H is wanted");
+  if (!same(with.residual, without.residual)) out.add("the residual differs when no H is requested");
+  if (!same(with.R, without.R)) out.add("R differs when no H is requested");
+  if (with.keys != without.keys) out.add("the keys of the rows differ when no H is requested");
   // Of its memory counts what the next call makes of it: bytes of padding may differ.
   const Measured next = measurement.linearize(given, ports, with.memory);
   const Measured other = measurement.linearize(given, ports, without.memory);
   if (next.result.refusal != other.result.refusal || !same(next.residual, other.residual) || !same(next.R, other.R))
-    out.add("its memory is another one when no H is wanted: the next call gives another answer");
+    out.add("its memory differs when no H is requested: the next call gives a different answer");
   return out;
 }
 

@@ -106,11 +106,11 @@ Complaints check_values(const ProcessCaller& process, const PortStates& ports, c
   bool goes_on_alike = next.result.refusal == other.result.refusal;
   for (std::size_t i = 0; i < ports.size(); ++i) {
     if (!same(with.x_plus[i], without.x_plus[i]))
-      out.add("the value on '", process.spec().ports[i].name, "' is another one when neither Phi nor Qd is wanted");
+      out.add("the value on '", process.spec().ports[i].name, "' differs when neither Phi nor Qd is requested");
     goes_on_alike = goes_on_alike && same(next.x_plus[i], other.x_plus[i]);
   }
   if (!goes_on_alike)
-    out.add("its memory is another one when neither Phi nor Qd is wanted: the next call gives another answer");
+    out.add("its memory differs when neither Phi nor Qd is requested: the next call gives a different answer");
   return out;
 }
 

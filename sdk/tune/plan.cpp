@@ -56,7 +56,7 @@ class Reading {
     std::vector<Place> places;
     const auto add = [&](const Json& json, int element) {
       if (auto place = place_at(json, pointer, element)) return places.push_back(*place), true;
-      section_.key_error("B006", named_at, in_quotes(pointer) + " is no number, quantity or list of such");
+      section_.key_error("B006", named_at, in_quotes(pointer) + " is not a number, quantity or list of such");
       return false;
     };
     if (!value->is_array()) {

@@ -44,7 +44,7 @@ void refuse_adaptive(const Composition& composition, const Member& member) {
       diagnostics.error("B130", config.key_origin(pointer), pointer,
                         "R of " + in_quotes(measurement.name) + " is made of its innovations by " +
                             in_quotes(measurement.noise.name) +
-                            ", so it follows whatever is tuned; to tune without it: --set " + pointer + "=null");
+                            ", so it follows every tuned parameter; to tune without it: --set " + pointer + "=null");
     }
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);
 }

@@ -334,7 +334,7 @@ Function Search::by_judgement(const Found& found) {
                          "B131",
                          {},
                          "/tune/objective",
-                         "there is nothing to make the objective of: no sample was withheld, or nothing was scored"});
+                         "the objective has no value: no sample was withheld, or nothing was scored"});
     return value + (plan_.objective == Objective::metric ? 0 : prior_cost(plan_, at, nullptr));
   };
   return function;

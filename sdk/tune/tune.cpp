@@ -233,7 +233,7 @@ class Tuner {
     std::string text = listed(names);
     if (involved.size() > 1) text += ": together, in this direction,";
     text += sigma < 5 ? " known no better than by a factor of " + three_digits(std::exp(sigma))
-                      : ": the objective does not depend on it there, or goes on to the end of the range";
+                      : ": the objective does not depend on it there, or still improves at the end of the range";
     Json entry = {{"direction", direction}, {"sigma", std::isfinite(sigma) ? Json(sigma) : Json()}, {"text", text}};
     if (involved.size() == 1) note_limit(involved.front(), entry);
     undetermined_.push_back(std::move(entry));
@@ -323,17 +323,18 @@ class Tuner {
 
   Json notes() const {
     Json notes = Json::array();
-    if (!search_->fallback().empty()) notes.push_back("the gradient is one of differences: " + search_->fallback());
+    if (!search_->fallback().empty())
+      notes.push_back("the gradient is computed by differences: " + search_->fallback());
     if (!found_.free.empty() && !found_.is_converged)
       notes.push_back("not converged: the last round still gained, or accepted other samples");
     if (!found_.rounds.empty() && found_.rounds.back().value("gates", "") == "off")
       notes.push_back("gates are off: with them on, a tenth or more of the samples is refused");
     if (!found_.rounds.empty() && found_.rounds.back().value("gates", "") == "frozen")
       notes.push_back(
-          "what the gates accept did not settle (tails are heavier than a Gaussian's): it was frozen where they "
-          "refused least");
+          "the set of accepted samples did not converge (the tails are heavier than those of a Gaussian): it was "
+          "frozen where the gates refused least");
     if (plan_.unseen.empty() && !plan_.until)
-      notes.push_back("nothing was left unused to judge by: 'until' or 'unseen' of 'tune'");
+      notes.push_back("no data are left for a check: use 'until' or 'unseen' of 'tune'");
     if (!runs_->not_ekf().empty())
       notes.push_back("the update of " + listed(runs_->not_ekf()) +
                       " depends on P and R: in a round H is held, so its gradient is approximate");
@@ -343,7 +344,7 @@ class Tuner {
           " by sigma points depends on P: in a round the transition is held, so its gradient is approximate");
     if (runs_->missed() > 0)
       notes.push_back(std::to_string(runs_->missed()) +
-                      " samples have no slope: with a parameter nudged they were judged otherwise");
+                      " samples have no slope: their outcome changes with a small change of a parameter");
     return notes;
   }
 

@@ -208,13 +208,13 @@ TEST_CASE("a checkpoint of something else, or a torn one, is refused with the re
   };
   has(refusal({"quickstart", {"/filters/ins/measurements/fix/gate=0.99"}}, kept), "another config");
   has(refusal(from, kept, 2), "of seed 1, run 0, and this is seed 2, run 0");
-  has(refusal(from, {kept.begin(), kept.begin() + 20}), "torn");
-  has(refusal(from, {kept.begin(), kept.end() - 1}), "torn");
+  has(refusal(from, {kept.begin(), kept.begin() + 20}), "incomplete");
+  has(refusal(from, {kept.begin(), kept.end() - 1}), "damaged");
   has(refusal(from, Bytes(200)), "no checkpoint");
   for (const std::size_t at : {std::size_t{200}, kept.size() / 2, kept.size() - 1}) {
     Bytes flipped = kept;
     flipped[at] ^= std::byte{4};
-    has(refusal(from, flipped), "torn");
+    has(refusal(from, flipped), "damaged");
   }
   Bytes foreign = kept;
   foreign[8] = std::byte{'z'};

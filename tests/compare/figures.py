@@ -86,7 +86,7 @@ def codes_in(text):
 # JSON -----------------------------------------------------------------------------------------------------------------
 
 def leaves(value, tokens=()):
-    """(tokens, leaf) of everything that is no object or list; an empty one of either is a leaf too."""
+    """(tokens, leaf) of everything that is not an object or list; an empty one of either is a leaf too."""
     if isinstance(value, dict) and value:
         for key, inner in value.items():
             yield from leaves(inner, tokens + (key,))

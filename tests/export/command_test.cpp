@@ -63,7 +63,7 @@ TEST_CASE("export writes each format beside the results, says what is in it, and
   const auto text = results.to("gpx", {"-o", "here.gpx"});
   CHECK(text.status == 0);
   CHECK(text.out == "here.gpx: 972 records of filter 'ins', of 972\n");
-  CHECK(contains(text.err, "note: the file has no times: nothing in the run says what its time counts from"));
+  CHECK(contains(text.err, "note: the file has no times: the run does not give the origin of its time"));
   CHECK(contains(text.err, "note: the file has no heights: gpx has those above the sea"));
   const auto piped = results.to("csv", {"-o", "/dev/stdout", "--columns", "position", "--every", "971"});
   CHECK(piped.status == 0);
@@ -83,7 +83,7 @@ TEST_CASE("export refuses by exit status 2 what is asked wrongly, and writes not
     CHECK(contains(outcome.err, message));
     CHECK(files_in(results.bench.path("out")) == files);
   };
-  refused("pos", {}, "--week N (GPS time from the begin of a week");
+  refused("pos", {}, "--week N (GPS time from the start of a week");
   refused("shp", {}, "--to");
   refused("kml", {"--filter", "inz"}, "the run has no filter 'inz'; it has 'ins'");
   refused("kml", {"--rate", "0"}, "--rate takes a rate above 0");
@@ -96,7 +96,7 @@ TEST_CASE("export refuses by exit status 2 what is asked wrongly, and writes not
   refused("kml", {"-o", "out/run.nc"}, "'out/run.nc' is one of the results that are exported");
   refused("csv", {"-o", "out/ins.csv"}, "'out/ins.csv' is one of the results that are exported");
   refused("kml", {"-o", "no/folder.kml"}, "cannot write 'no/folder.kml'");
-  refused("kml", {"--epoch", "soon"}, "'soon' is no instant of UTC (--epoch)");
+  refused("kml", {"--epoch", "soon"}, "'soon' is not an instant of UTC (--epoch)");
 }
 
 TEST_CASE("export of a spoilt folder: exit status 5, what to do, and no file") {
@@ -114,10 +114,10 @@ TEST_CASE("export of a spoilt folder: exit status 5, what to do, and no file") {
     CHECK(contains(outcome.err, message));
     CHECK((fs::exists(copy) ? files_in(copy.string()) : 0) == files);
   };
-  spoilt([](const fs::path& copy) { fs::remove_all(copy); }, "'copy' is no folder");
+  spoilt([](const fs::path& copy) { fs::remove_all(copy); }, "'copy' is not a folder");
   spoilt([](const fs::path& copy) { fs::remove(copy / "run.nc"); }, "holds neither run.nc nor study.nc");
   spoilt([](const fs::path& copy) { fs::remove(copy / "summary.json"); }, "make it again with 'binnacle run");
-  spoilt([](const fs::path& copy) { std::ofstream(copy / "summary.json") << "{"; }, "it is no JSON object");
+  spoilt([](const fs::path& copy) { std::ofstream(copy / "summary.json") << "{"; }, "it is not a JSON object");
   spoilt([](const fs::path& copy) { fs::resize_file(copy / "run.nc", fs::file_size(copy / "run.nc") / 2); },
          "copy/run.nc' cannot be read");
   spoilt([](const fs::path& copy) { std::ofstream(copy / "run.nc") << "no NetCDF"; },

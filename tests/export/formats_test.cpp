@@ -177,7 +177,7 @@ TEST_CASE("without a time base KML and GPX have no times and say so, pos and nme
     const auto result = made(run, format);
     CHECK_FALSE(contains(result.text, "<when>"));
     CHECK_FALSE(contains(result.text, "<time>"));
-    CHECK(contains(result.notes.at(0), "the file has no times: nothing in the run says what its time counts from"));
+    CHECK(contains(result.notes.at(0), "the file has no times: the run does not give the origin of its time"));
   }
   const Folder folder;
   require_well_formed(folder, "l.kml", made(run, Format::kml).text);
@@ -214,12 +214,12 @@ TEST_CASE("time: GPS and UTC are 18 s apart, leap seconds may be given, and cont
   CHECK(first([](Request& r) { r.time.week = 2381; }) == first_time);
   CHECK(first([](Request& r) { r.time = {2381, "", 0}; }) == "2025-08-24T00:01:40.000Z");
   CHECK(first([](Request& r) { r.time.epoch = "2026-01-02T03:04:05Z"; }) == "2026-01-02T03:05:45.000Z");
-  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time = {2381, "2026-01-02", {}}; }), "one is enough"));
-  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time.epoch = "yesterday"; }), "no instant of UTC"));
-  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time.leap_seconds = 18; }), "--week says that it is"));
+  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time = {2381, "2026-01-02", {}}; }), "give one of them"));
+  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time.epoch = "yesterday"; }), "not an instant of UTC"));
+  CHECK(contains(refusal(run, Format::gpx, [](Request& r) { r.time.leap_seconds = 18; }), "--week selects it"));
   const char* const twice =
       R"({"sources": {"a": {"type": "ublox", "week": 2381}, "b": {"type": "nmea", "epoch": "2025-08-24"}}})";
-  CHECK(contains(refusal(run_of({drive("ins", 2, 0.2)}, twice), Format::gpx), "is said twice and differs"));
+  CHECK(contains(refusal(run_of({drive("ins", 2, 0.2)}, twice), Format::gpx), "gives two different origins of time"));
   const char* const same =
       R"({"sources": {"a": {"type": "x", "week": 2381}, "b": {"type": "y", "epoch": "2025-08-23T23:59:42Z"}}})";
   CHECK(refusal(run_of({drive("ins", 2, 0.2)}, same), Format::gpx).empty());
@@ -391,7 +391,7 @@ TEST_CASE("csv --local: north, east, down as GeographicLib has them, about an or
   CHECK(configured.origin->from == "/origin of the run's config");
   check(configured, -33.8, 151.1, 100);
   with_origin.config["origin"]["lat"] = "10 m";
-  CHECK(contains(refusal(with_origin, Format::csv, local), "/origin/lat of the run's config is no quantity in rad"));
+  CHECK(contains(refusal(with_origin, Format::csv, local), "/origin/lat of the run's config is not a quantity in rad"));
 }
 
 TEST_CASE("a state north and east in metres needs an origin, and is where that puts it") {

@@ -180,7 +180,7 @@ TEST_CASE("a study in which a plugin loops keeps its finished runs") {
   command.signal(SIGTERM);
   const auto outcome = command.wait();
   CHECK(outcome.status == 1);
-  CHECK(outcome.err.find("component 'moving': propagate at 3 s; the same command goes on from here") !=
+  CHECK(outcome.err.find("component 'moving': propagate at 3 s; the same command continues from here") !=
         std::string::npos);
   const std::string journal = read_file(bench.path("out/study.journal"));
   CHECK(std::count(journal.begin(), journal.end(), '\n') == 2);  // its head and the first run, of "well"

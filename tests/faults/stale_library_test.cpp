@@ -19,7 +19,7 @@ Start with_stale(const Workbench& bench) {
   return start;
 }
 
-const char* const why = "not a plugin for this program: it is no shared library (not an ELF file)";
+const char* const why = "not a plugin for this program: it is not a shared library (not ELF)";
 
 }  // namespace
 
@@ -43,6 +43,6 @@ TEST_CASE("a type that a stale library may bring is an error that names the file
   const auto outcome = binnacle::test::binnacle(bench, {"check", "bad.json"}, start);
   CHECK(outcome.status == 4);
   CHECK(outcome.err.find("error[B047] /filters/walk/process/wander/type: unknown process model 'wandering'; '" +
-                         bench.path("plugins/stale.so") + "' may have it, but is not loaded: " + why) !=
+                         bench.path("plugins/stale.so") + "' may contain it, but is not loaded: " + why) !=
         std::string::npos);
 }

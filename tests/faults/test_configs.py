@@ -115,13 +115,13 @@ def test_a_variance_below_zero_by_rounding(binnacle, bench):
 
 def test_extends_of_a_device(binnacle, bench):
     bench("c.json", {"extends": "/dev/zero"})
-    binnacle("check", "c.json", within=10).refused(3, "B003", "no regular file")
+    binnacle("check", "c.json", within=10).refused(3, "B003", "not a regular file")
 
 
 def test_extends_of_a_fifo(binnacle, bench, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     bench("c.json", {"extends": "pipe"})
-    binnacle("check", "c.json", within=10).refused(3, "B003", "no regular file")
+    binnacle("check", "c.json", within=10).refused(3, "B003", "not a regular file")
 
 
 def test_a_config_without_end(binnacle, bench):
@@ -155,14 +155,14 @@ def test_sources_of_a_fifo(binnacle, bench, tmp_path, source):
     c = config({"a": source})
     c["filters"]["f"]["measurements"] = {}
     bench("c.json", c)
-    wanted = "holds no timestamps.txt" if source["type"] == "oxts" else "is no regular file"
+    wanted = "holds no timestamps.txt" if source["type"] == "oxts" else "is not a regular file"
     binnacle("run", "c.json", within=10).refused(5, "B060", wanted)
 
 
 def test_a_summary_into_a_fifo_that_nobody_reads(binnacle, bench, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     bench("c.json", config())
-    binnacle("run", "c.json", "--summary", "pipe", within=15).refused(2, "FIFO that nobody reads")
+    binnacle("run", "c.json", "--summary", "pipe", within=15).refused(2, "FIFO without a reader")
 
 
 def test_a_summary_into_a_fifo_whose_reader_does_not_read(binnacle, bench, tmp_path):

@@ -212,7 +212,7 @@ def test_labels_of_many_digits(run, label):
 def test_a_file_that_is_cut_within_its_last_number(run):
     ended = run(["0,1", "1,1", "2,12"], end="")
     assert ended.status == 0
-    assert "B061" in ended.err and "x.csv:4" in ended.err and "the file may be cut there" in ended.err
+    assert "B061" in ended.err and "x.csv:4" in ended.err and "the file and its last number may be truncated" in ended.err
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\n\n", "\n  "])

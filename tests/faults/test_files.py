@@ -17,7 +17,7 @@ def test_a_report_of_a_fifo(binnacle, write, tmp_path, name):
     assert binnacle("run", "c.json", "--out", "out", "--quiet").status == 0
     (tmp_path / "out" / name).unlink(missing_ok=True)
     os.mkfifo(tmp_path / "out" / name)
-    binnacle("report", "out", within=15).refused(5, f"'out/{name}'", "is no regular file")
+    binnacle("report", "out", within=15).refused(5, f"'out/{name}'", "is not a regular file")
 
 
 @pytest.mark.parametrize("words, file, status", [
@@ -29,12 +29,12 @@ def test_a_fifo_in_the_place_of_what_a_run_goes_on_from(binnacle, write, tmp_pat
     write("s.json", study(2, 100))
     (tmp_path / "out").mkdir()
     os.mkfifo(tmp_path / file)
-    binnacle(*words, within=15).refused(status, file, "is no regular file")
+    binnacle(*words, within=15).refused(status, file, "is not a regular file")
 
 
 def test_a_report_of_a_fifo_for_a_folder(binnacle, tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    binnacle("report", "pipe", within=15).refused(5, "'pipe' is no folder")
+    binnacle("report", "pipe", within=15).refused(5, "'pipe' is not a folder")
 
 
 @pytest.mark.parametrize("words", [["report", "out", "--output"], ["inspect", "x.csv", "--page"], ["inspect", "c.json", "--write"]], ids=" ".join)
@@ -43,13 +43,13 @@ def test_a_page_into_a_fifo_that_nobody_reads(binnacle, write, tmp_path, words):
     write("x.csv", ROWS)
     assert binnacle("run", "c.json", "--out", "out", "--quiet").status == 0
     os.mkfifo(tmp_path / "pipe")
-    binnacle(*words, "pipe", within=15).refused(2, "'pipe'", "FIFO that nobody reads")
+    binnacle(*words, "pipe", within=15).refused(2, "'pipe'", "FIFO without a reader")
 
 
 @pytest.mark.parametrize("name", ["pipe", "pipe.csv", "pipe.ubx", "pipe.nmea", "pipe.pos", "pipe.gz"])
 def test_inspect_of_a_fifo(binnacle, tmp_path, name):
     os.mkfifo(tmp_path / name)
-    binnacle("inspect", name, within=15).refused(5, name, "is no regular file")
+    binnacle("inspect", name, within=15).refused(5, name, "is not a regular file")
 
 
 def test_inspect_of_a_fifo_in_the_place_of_a_config(binnacle, tmp_path):
@@ -76,7 +76,7 @@ def test_a_csv_sink_does_not_replace_a_fifo(binnacle, write, tmp_path):
     write("x.csv", ROWS)
     os.mkfifo(tmp_path / "pipe")
     write("c.json", copied(tmp_path / "pipe"))
-    binnacle("run", "c.json", within=15).refused(5, f"'csv_writer': open threw: '{tmp_path}/pipe' is no regular file")
+    binnacle("run", "c.json", within=15).refused(5, f"'csv_writer': open threw: '{tmp_path}/pipe' is not a regular file")
     assert (tmp_path / "pipe").is_fifo()
 
 

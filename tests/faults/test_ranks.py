@@ -54,6 +54,6 @@ def test_no_rank_has_the_fault(mpirun):
 def test_a_rank_that_reads_its_study_for_ever(mpirun, tmp_path, rank):
     status, err, seconds = mpirun(rank, 2)
     assert status == 1, err
-    assert f"rank {rank}" in err and "it is alive, but still reads its study" in err and "a plugin's call may not come back" in err, err
+    assert f"rank {rank}" in err and "it is alive, but is still reading its study" in err and "a plugin's call may not come back" in err, err
     assert seconds < 120  # 10 or 20 times the time-out, and what the others on the machine make of it
     assert not (tmp_path / "out" / "study.csv").exists()

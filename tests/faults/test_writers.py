@@ -13,7 +13,7 @@ from conftest import COMMAND
 from drives import copied, drive, study
 
 PAIRS = int(os.environ.get("BINNACLE_PAIRS", "10"))
-BUSY = " is writing there; wait for its end, or give another --out"
+BUSY = " is writing there; wait until it ends, or give another --out"
 
 
 def pair(folder, one, other):

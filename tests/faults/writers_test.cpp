@@ -59,7 +59,7 @@ TEST_CASE("pairs of runs that write into one folder: its results are those of on
     for (const Outcome& outcome : {one.wait(), other.wait()}) {
       INFO(outcome.err);
       CHECK((outcome.status == 0 || outcome.status == 2));
-      CHECK((outcome.status == 0 || has(outcome.err, " is writing there; wait for its end, or give another --out")));
+      CHECK((outcome.status == 0 || has(outcome.err, " is writing there; wait until it ends, or give another --out")));
       refused += outcome.status == 2;
     }
     const std::string left = results_in(bench, "out");
@@ -82,7 +82,7 @@ TEST_CASE("a folder that another process writes into is refused, with that proce
     CAPTURE(verb);
     CHECK(outcome.status == 2);
     CHECK(outcome.err ==
-          "error: cannot write into 'out': process 4711 on elsewhere is writing there; wait for its end, or give "
+          "error: cannot write into 'out': process 4711 on elsewhere is writing there; wait until it ends, or give "
           "another --out\n");
     CHECK(std::distance(fs::directory_iterator(bench.path("out")), fs::directory_iterator()) == 1);
   }

@@ -25,12 +25,12 @@ def seconds(value):
         return float(value)
     found = re.fullmatch(r"\s*([-+0-9.eE]+)\s*([a-z]+)\s*", value)
     if not found or found.group(2) not in UNITS:
-        raise Bad(f"'{value}' is no time")
+        raise Bad(f"'{value}' is not a time")
     return float(found.group(1)) * UNITS[found.group(2)]
 
 
 def by_second(times, values):
-    """{whole second: root mean square of the values in it}; what is no number is an infinite error."""
+    """{whole second: root mean square of the values in it}; what is not a number is an infinite error."""
     sums = {}
     for t, value in zip(times, values):
         square = value * value if math.isfinite(value) else math.inf

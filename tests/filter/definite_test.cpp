@@ -143,7 +143,7 @@ TEST_CASE("an update that an expanded P has no digits for is reported with the f
       // Where nothing is said, the variance is right: that of four fixes.
       if (!doubt(doubts, "B127")) CHECK(session.covariance(FilterId{0})(0, 0) == Approx(0.25).epsilon(1e-3));
       if (doubt(doubts, "B127"))
-        CHECK(doubt(doubts, "B127")->message.find("\"ud\" and \"square_root\" hold it") != std::string::npos);
+        CHECK(doubt(doubts, "B127")->message.find("\"ud\" and \"square_root\" have enough") != std::string::npos);
     }
   }
 }

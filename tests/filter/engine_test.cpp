@@ -338,7 +338,7 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
     for (int t = 0; t <= 4; ++t) push(filter, "z", t, {1});
     REQUIRE_FALSE(filter.healthy(FilterId{0}));
     REQUIRE(filter.diagnosis(FilterId{0}) ==
-            (*more ? "process 'bad' cannot go on at 3 s: it is too late"
+            (*more ? "process 'bad' cannot continue at 3 s: it is too late"
                    : "block 'x' is not finite at 3 s: plugin 'probe', component 'breaking' (/filters/f/process/bad): "
                      "propagate at 3 s gave 'x', which is not finite"));
     REQUIRE(filter.counts({{0}, 0}).by_outcome[0] == 3);

@@ -193,18 +193,18 @@ TEST_CASE("what cannot be noise or is not finite is named at once, with plugin, 
     return session.diagnosis(FilterId{0});
   };
   const std::string see = "plugin 'fickle', component 'fickle_see' (/filters/f/measurements/see): linearize at 1.25 s";
-  CHECK(diagnosis({"", "negative", ""}) == see + " gave R(1, 1) = -1, which is no variance");
+  CHECK(diagnosis({"", "negative", ""}) == see + " gave R(1, 1) = -1, which is not a variance");
   CHECK(diagnosis({"", "asymmetric", ""}) == see + " gave R(0, 1) = 0.001 but R(1, 0) = 0, which is not symmetric");
-  CHECK(diagnosis({"", "no rows", ""}) == "the model says that it wrote a negative number of rows");
+  CHECK(diagnosis({"", "no rows", ""}) == "the model reports a negative number of rows");
   CHECK(diagnosis({"", "nan", ""}) == "the noise of the residual is not finite");
 
   const std::string trust =
       "plugin 'fickle', component 'fickle_trust' (/filters/f/measurements/see): estimate at 1.25 s";
-  CHECK(diagnosis({"", "", "negative"}) == trust + " gave R(0, 0) = -4, which is no variance");
+  CHECK(diagnosis({"", "", "negative"}) == trust + " gave R(0, 0) = -4, which is not a variance");
   CHECK(diagnosis({"", "", "nan"}) == trust + " gave R(0, 0) = nan, which is not finite");
 
   const std::string move = "plugin 'fickle', component 'fickle_move' (/filters/f/process/move): propagate at 1.05 s";
-  CHECK(diagnosis({"negative", "", ""}) == move + " gave 'x.a' the process noise -1e-06, which is no variance");
+  CHECK(diagnosis({"negative", "", ""}) == move + " gave 'x.a' the process noise -1e-06, which is not a variance");
   CHECK(diagnosis({"nan_phi", "", ""}).find(": " + move + " gave Phi(x, x), which is not finite") != std::string::npos);
   CHECK(diagnosis({"nan_x", "", ""}) ==
         "block 'x' is not finite at 1.05 s: " + move + " gave 'x', which is not finite");

@@ -349,7 +349,7 @@ TEST_CASE("a point that a model refuses: the step takes the Jacobians, and is co
   CHECK((log.Qd - of_ekf.Qd).norm() == 0);
   const std::string notes = session.notes({0}).text();
   INFO(notes);
-  CHECK(notes.find("a sigma point was refused, the step took the Jacobians: the bias is too large") !=
+  CHECK(notes.find("a sigma point was refused, so the step used the Jacobians: the bias is too large") !=
         std::string::npos);
   CHECK(notes.find("spin") != std::string::npos);
   for (int k = 2; k < 40; ++k) push(session, "z", 0.5 * k, {0, 0, 0});

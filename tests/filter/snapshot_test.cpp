@@ -103,7 +103,7 @@ TEST_CASE("each bit of a snapshot counts") {
     }
   CHECK(taken == 0);
   bytes.back() ^= std::byte{1};
-  CHECK(refusal(session, bytes).find("its checksum is not that of its bytes: it is damaged") != std::string::npos);
+  CHECK(refusal(session, bytes).find("its checksum does not match: it is damaged") != std::string::npos);
 }
 
 TEST_CASE("a forged snapshot, damaged and sealed again, is refused or gone on with: an INS in each form") {
@@ -149,7 +149,7 @@ TEST_CASE("a forged count, index or time is refused by what it is") {
   };
   using internal::filter::QueueEntry;
   using internal::filter::TimeHead;
-  const auto is_refused = [](const std::string& text) { return text.find("what it holds is damaged") != text.npos; };
+  const auto is_refused = [](const std::string& text) { return text.find("its content is damaged") != text.npos; };
   CHECK(is_refused(forged(plan.head.offset + offsetof(TimeHead, pending), std::int32_t{-1})));
   CHECK(is_refused(forged(plan.head.offset + offsetof(TimeHead, queued), std::int32_t{1 << 20})));
   CHECK(is_refused(forged(plan.head.offset + offsetof(TimeHead, input_end), no_time)));

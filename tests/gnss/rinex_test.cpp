@@ -421,7 +421,7 @@ TEST_CASE("corrupted lines cost what is on them, and no more") {
     CHECK(number_gone.has_reported("1 observation skipped"));
     const auto time_gone = with(version == 2 ? " 21 11  9  3 30  1.0" : "> 2021 11 09 03 30  1.0",
                                 version == 2 ? " 21 13  9  3 30  1.0" : "> 2021 13 09 03 30  1.0");
-    CHECK(time_gone.has_reported("is no time"));
+    CHECK(time_gone.has_reported("is not a time"));
     CHECK(rows(time_gone) == std::vector<std::size_t>{4, 4});
   }
   // Messages: a number that is none, a line that is missing, an orbit that is none.
@@ -433,7 +433,7 @@ TEST_CASE("corrupted lines cost what is on them, and no more") {
   CHECK(Recording(good, broken).has_reported("G10: number 8 of the orbit, in line 15, is none"));
   broken = nav;
   broken.replace(broken.find("5.153619016769D+03", second), 18, "0.000000000000D+00");
-  CHECK(Recording(good, broken).has_reported("G10: the orbit or clock is none of a satellite"));
+  CHECK(Recording(good, broken).has_reported("G10: the orbit or clock is not plausible for a satellite"));
   broken = nav;
   broken.erase(second, broken.find('\n', second) + 1 - second);
   const Recording r(good, broken);
@@ -479,7 +479,7 @@ TEST_CASE("files that are none are refused, with name and line") {
     return std::string("nothing");
   };
   const std::string o = observations(2, {epoch(0, 2)}), nav = navigation(four);
-  CHECK(refusal("hello\n", nav).find("no RINEX file") != std::string::npos);
+  CHECK(refusal("hello\n", nav).find("not a RINEX file") != std::string::npos);
   CHECK(refusal(nav, o).find("is no file of observations") != std::string::npos);
   std::string newer = o;
   newer.replace(5, 4, "4.00");

@@ -141,7 +141,7 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
     const auto before = bits(other);
     bytes.resize(bytes.size() - 100);
     snapshot_attack::reseal(bytes);
-    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("what it holds is damaged"));
+    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("its content is damaged"));
     CHECK(bits(other) == before);
   }
 }
@@ -267,7 +267,7 @@ TEST_CASE(
     REQUIRE(doubts.items().size() == 1);
     CHECK(doubts.items().front().code == "B123");
     CHECK_THAT(doubts.items().front().message,
-               Catch::Contains("s behind what had arrived") && Catch::Contains("history 1 s"));
+               Catch::Contains("s behind the arrivals") && Catch::Contains("history 1 s"));
   }
 }
 

@@ -193,8 +193,9 @@ TEST_CASE("what is wrong with a nmea_writer or a nmea source is said at its plac
   };
   has(error_of(R"({"type": "nmea_writer", "input": "drive.truth", "to": "file:x"})"),
       "sentences carry UTC: give 'week'");
-  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "week": 3)")), "/sinks/nmea/epoch: there is 'week' too");
-  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "talker": "gps")")), "/sinks/nmea/talker: 'gps' is no talker");
+  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "week": 3)")), "/sinks/nmea/epoch: 'week' is given too");
+  has(error_of(nmea_writer("drive.truth", "file:x", R"(, "talker": "gps")")),
+      "/sinks/nmea/talker: 'gps' is not a talker");
   has(error_of(nmea_writer("drive.imu", "file:x")), "the channel has no field for a sentence");
   has(error_of(nmea_writer("drive.gnss", "file:x", R"(, "sentences": ["GGA", "HDT"])")), "HDT needs 'yaw'");
   has(error_of(nmea_writer("drive.truth", "file:x", R"(, "max_sigma": "3 m")")),
@@ -204,8 +205,8 @@ TEST_CASE("what is wrong with a nmea_writer or a nmea source is said at its plac
   const auto source_error = [&](const std::string& more) {
     return check(bench, config("", nmea_source("some.nmea", more))).err;
   };
-  has(source_error(R"(, "ends_with": "RM")"), "/sources/back/ends_with: 'RM' is no sentence");
-  has(source_error(R"(, "date": "yesterday")"), "/sources/back/date: 'yesterday' is no day");
+  has(source_error(R"(, "ends_with": "RM")"), "/sources/back/ends_with: 'RM' is not a sentence");
+  has(source_error(R"(, "date": "yesterday")"), "/sources/back/date: 'yesterday' is not a day");
   const auto warned =
       check(bench, config(R"("nmea": {"type": "nmea_writer", "input": "drive.truth", "to": "file:x", "week": 2400})"));
   CHECK(warned.status == 0);

@@ -140,8 +140,8 @@ TEST_CASE("observe: windows that mean nothing are usage errors, with what there 
   };
   refused("outag", "there is no window 'outag'; did you mean 'outage'?");
   refused("30:20", "the window '30:20' ends before it begins");
-  refused("start*3:", "'start*3' is no time");
-  refused("3 m:", "unit 'm' is no time");
+  refused("start*3:", "'start*3' is not a time");
+  refused("3 m:", "unit 'm' is not a time");
   const auto later = binnacle::test::binnacle(bench, {"observe", "c.json", "--window", "100:200"});
   CHECK(later.status == 0);
   CHECK(later.out.find("Filter ins was in none of the windows") != std::string::npos);

@@ -228,14 +228,14 @@ TEST_CASE("page: an address that is none, or that is used, is a usage error that
   };
   refused(run.host(), "Address already in use");
   refused("8.8.8.8:8080", "8.8.8.8:8080: Cannot assign requested address");
-  refused("8080x", "'8080x' is no port");
-  refused("65536", "'65536' is no port");
-  refused("-1", "'-1' is no port");
-  refused("", "'' is no port");
-  refused("localhost", "'localhost' is no port");
-  refused("example.com:8080", "'example.com' is no address");
-  refused("::1:8080", "'::1' is no address");
-  refused("[127.0.0.1]:8080", "'[127.0.0.1]' is no address");
+  refused("8080x", "'8080x' is not a port");
+  refused("65536", "'65536' is not a port");
+  refused("-1", "'-1' is not a port");
+  refused("", "'' is not a port");
+  refused("localhost", "'localhost' is not a port");
+  refused("example.com:8080", "'example.com' is not an address");
+  refused("::1:8080", "'::1' is not an address");
+  refused("[127.0.0.1]:8080", "'[127.0.0.1]' is not an address");
 }
 
 TEST_CASE("page: all the ways to name the loopback") {

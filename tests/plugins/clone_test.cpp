@@ -414,7 +414,7 @@ TEST_CASE("relative position: what does not fit is refused when it is bound", "[
   CHECK(says(message({navigation, with(bench.local, bench.geodetic, false), no_sd}),
              "/blocks/copy: the copy is of the kind 'position', the position of the kind 'vector:3:m'"));
   CHECK(says(message({body, with(bench.local, bench.local, false), no_sd}),
-             "/blocks: a displacement in body axes needs the attitude at its begin"));
+             "/blocks: a displacement in body axes needs the attitude at its start"));
   CHECK(says(message({navigation, with(bench.local, bench.local, true), no_sd}),
              "/blocks/attitude: \"frame\": \"navigation\" takes no attitude"));
   CHECK(says(message({body, with(plane, plane, true), no_sd}), "body axes are three"));

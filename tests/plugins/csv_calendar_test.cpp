@@ -80,7 +80,7 @@ TEST_CASE("csv: what is no time of ISO 8601 is a fault", "[csv]") {
     INFO(label);
     if (std::string(label).back() == ' ') continue;  // blanks around cells go
     CHECK(fault_of_label(label) == "B062 line 2: time column 't': '" + std::string(label) +
-                                       "' is no time of ISO 8601, as 2026-11-23T12:00:05.25Z is");
+                                       "' is not a time of ISO 8601, as 2026-11-23T12:00:05.25Z is");
   }
   CHECK(fault_of_label("") == "B062 line 2: time column 't' is empty");
 }
@@ -102,8 +102,10 @@ TEST_CASE("csv: date and time in two columns, in any order", "[csv]") {
     const TemporaryFile file("d,t,a\n" + date + "," + time + ",1\n");
     return fault_of(timed(file.path(), {{"column", text("t")}, {"date_column", text("d")}}));
   };
-  CHECK(fault("23.11.2026", "12:00:00") == "B062 line 2: time column 'd': '23.11.2026' is no date of year, month, day");
-  CHECK(fault("2026-11-23", "25:00") == "B062 line 2: time column 't': '25:00' is no time of day, as 12:00:05.25 is");
+  CHECK(fault("23.11.2026", "12:00:00") ==
+        "B062 line 2: time column 'd': '23.11.2026' is not a date of year, month, day");
+  CHECK(fault("2026-11-23", "25:00") ==
+        "B062 line 2: time column 't': '25:00' is not a time of day, as 12:00:05.25 is");
   CHECK(fault("2026-11-23", "11:59:60") ==
         "B062 line 2: time column 't': '11:59:60' is a leap second at the wrong time");
   CHECK(fault("", "12:00:00") == "B062 line 2: time column 'd' is empty");
@@ -127,7 +129,7 @@ TEST_CASE("csv: GPS week and seconds", "[csv]") {
   CHECK(fault("-1,5") == "B062 line 2: time column 'wn': '-1' is no GPS week");
   CHECK(fault("2446.5,5") == "B062 line 2: time column 'wn': '2446.5' is no GPS week");
   CHECK(fault("nan,5") == "B062 line 2: time column 'wn': 'nan' is no GPS week");
-  CHECK(fault("2446,604801") == "B062 line 2: time column 'tow': '604801' is no time of a week, which has 604800 s");
+  CHECK(fault("2446,604801") == "B062 line 2: time column 'tow': '604801' is not a time of a week, which has 604800 s");
   CHECK(fault("2446,x") == "B062 line 2: time column 'tow': 'x' is not a number");
 }
 
@@ -148,8 +150,8 @@ TEST_CASE("csv: calendar labels that do not go together point at the config", "[
   CHECK_THAT(said({{"column", text("t")}, {"date_column", text("date")}}),
              Contains("/time/date_column: no column 'date'"));
   const auto numbers = parameters(file.path(), {{"a", column("a")}});
-  CHECK_THAT(fault_of(with(numbers, "week", count(2446))), Contains("/week: it says where time is zero"));
-  CHECK_THAT(fault_of(with(numbers, "epoch", text("1970-01-01"))), Contains("/epoch: it says where time is zero"));
+  CHECK_THAT(fault_of(with(numbers, "week", count(2446))), Contains("/week: it gives the origin of time"));
+  CHECK_THAT(fault_of(with(numbers, "epoch", text("1970-01-01"))), Contains("/epoch: it gives the origin of time"));
 }
 
 TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv]") {
@@ -160,7 +162,7 @@ TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv
   const auto samples = read(with(iso(file.path()), "invalid_rows", text("skip")), &warnings);
   CHECK(samples.size() == 3);
   REQUIRE(warnings.all.size() == 2);
-  CHECK_THAT(warnings.all[0].message, Contains("2 rows skipped, the first: time column 't': 'noon' is no time"));
+  CHECK_THAT(warnings.all[0].message, Contains("2 rows skipped, the first: time column 't': 'noon' is not a time"));
   CHECK_THAT(warnings.all[1].message, Contains("1 row skipped: time does not increase"));
 }
 

@@ -93,9 +93,10 @@ TEST_CASE("csv says what is wrong with local columns", "[csv]") {
   const auto x = metres("x"), y = metres("y"), z = metres("z");
   CHECK(said({{"north", y}, {"east", x}, {"down", z}}) ==
         "B062 line 3: the local position is more than 10 000 km from the origin");
-  CHECK(said({{"nord", y}, {"east", x}, {"up", z}}) == "/local/nord: 'nord' is no local axis; did you mean 'north'?");
+  CHECK(said({{"nord", y}, {"east", x}, {"up", z}}) ==
+        "/local/nord: 'nord' is not a local axis; did you mean 'north'?");
   CHECK_THAT(said({{"x", y}, {"east", x}, {"up", z}}),
-             Contains("/local/x: 'x' is no local axis; they are: north, east"));
+             Contains("/local/x: 'x' is not a local axis; they are: north, east"));
   CHECK(said({{"north", y}, {"east", x}}) == "/local: 'down' or 'up' is missing: local axes are three");
   CHECK(said({{"east", x}, {"up", z}}) == "/local: 'north' is missing: local axes are three");
   CHECK(said({{"north", y}, {"east", x}, {"down", z}, {"up", z}}) == "/local/up: 'down' and 'up' are the same axis");
@@ -118,5 +119,5 @@ TEST_CASE("csv says what is wrong with local columns", "[csv]") {
   const auto twice = with(with(parameters(file.path(), {{"lat", column("v", unit("rad"))}}), "local",
                                object({{"north", y}, {"east", x}, {"up", z}})),
                           "origin", origin());
-  CHECK(fault_of(twice) == "/local: 'lat' stands among 'columns' too, and 'local' makes it");
+  CHECK(fault_of(twice) == "/local: 'lat' is in 'columns' too, but 'local' computes it");
 }

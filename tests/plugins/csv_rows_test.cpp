@@ -151,7 +151,7 @@ TEST_CASE("csv where: lines of one kind out of several") {
   CHECK(samples[1].fields == std::vector<double>{4});
   CHECK(fault_of(where(value, "1", "rnage")) == "B066 line 0: no line has 'rnage' in column '1'");
   CHECK(fault_of(where(value, "one", "range")) ==
-        "/where/column: 'one' is no column: without header, columns are numbers from 1");
+        "/where/column: 'one' is not a column: without header, columns are numbers from 1");
   // A line of the kind that is cut short is an error, not one of another kind.
   const TemporaryFile cut("range 1 5 1\nrange 1 7\n");
   CHECK(fault_of(with(where(value, "1", "range"), "path", text(cut.path()))) ==

@@ -202,7 +202,7 @@ TEST_CASE("csv: without header columns are numbers") {
   REQUIRE(samples[1].fields[0] == 5);
   REQUIRE(samples[1].t == 2 * second);
   value = with(parameters(file.path(), {{"w", column("4")}}), "header", boolean(false));
-  REQUIRE(fault_of(value) == "/columns/w/column: '4' is no column: without header, columns are numbers from 1 to 3");
+  REQUIRE(fault_of(value) == "/columns/w/column: '4' is not a column: without header, columns are numbers from 1 to 3");
 }
 
 TEST_CASE("csv: unit and offset of the labels") {
@@ -337,7 +337,7 @@ TEST_CASE("csv: faults of the header point at the config and suggest a column") 
           "ax_mps2");
   REQUIRE(fault("pressure") ==
           "/columns/wx/column: no column 'pressure'; the header has: t_s, gx_radps, gx_radps, ax_mps2");
-  REQUIRE(fault("gx_radps") == "/columns/wx/column: column 'gx_radps' stands in the header twice");
+  REQUIRE(fault("gx_radps") == "/columns/wx/column: column 'gx_radps' appears in the header twice");
   REQUIRE(fault_of(with(parameters(file.path(), {{"a/b", column("x")}}), "time", object({{"column", text("ts")}}))) ==
           "/time/column: no column 'ts'; did you mean 't_s'? the header has: t_s, gx_radps, gx_radps, ax_mps2");
   REQUIRE(fault_of(parameters(file.path(), {{"a/b", column("x")}})).substr(0, 23) == "/columns/a~1b/column: n");
@@ -411,7 +411,7 @@ TEST_CASE("csv: bad rows are skipped only on request, and counted") {
   REQUIRE(warnings.all[2].message == "2 rows skipped, the first: column 'w' is nan");
   const TemporaryFile useless("t,w,a\n1,x,1\n2,y,2\n");
   REQUIRE(fault_of(with(rate_and_level(useless.path()), "invalid_rows", text("skip"))) ==
-          "B066 line 0: no rows left: every one in the window was skipped");
+          "B066 line 0: no rows remain: all rows in the window were skipped");
 }
 
 TEST_CASE("csv: gaps are reported once and restart the clock") {

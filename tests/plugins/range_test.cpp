@@ -253,14 +253,14 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
   CHECK(says(refusal_of<Range>(
                  {{{"anchors", {{"door", {{"north", 1}, {"east", 2}, {"down", 3}}}}}, {"sigma", 1}}, local, plain}),
              "/anchors/door: an anchor is listed by its whole number"));
-  CHECK(says(refusal_of<Range>({{{"sigma", 1}}, local, plain}), "/anchors: nobody says where the anchors are"));
+  CHECK(says(refusal_of<Range>({{{"sigma", 1}}, local, plain}), "/anchors: the positions of the anchors are missing"));
   CHECK(says(refusal_of<Range>({{{"anchors", three}}, local, plain}), ": missing key 'sigma'"));
   CHECK(says(refusal_of<Range>({good, local, without({"range"})}), "/fields: the channel carries no field 'anchor'"));
   CHECK(says(refusal_of<Range>({good, local, without({"range", "anchor", "anchor_north", "anchor_east"})}),
-             "/fields: the channel carries a part of the anchors' places, and no field for 'anchor_down'"));
+             "/fields: the channel carries only part of the anchors' positions, without a field for 'anchor_down'"));
   CHECK(
       says(refusal_of<Range>({good, local, without({"range", "anchor", "anchor_north", "anchor_east", "anchor_down"})}),
-           "/anchors/105: the channel carries the anchors' places: leave them out here, or there"));
+           "/anchors/105: the channel carries the anchors' positions: remove them here, or there"));
   CHECK(says(refusal_of<Range>({good, local, without({"range", "anchor", "range_sd", "range_variance"})}),
              "/fields: the channel carries both"));
   CHECK(says(refusal_of<Range>({good, {{"position", &position}, {"bias", &two}}, plain}),

@@ -406,7 +406,7 @@ TEST_CASE("robust: what there is to say becomes a note") {
     REQUIRE(few == std::vector<std::string>{"the weights have not converged within `iterations`; the last were used"});
     REQUIRE(notes(Loss::cauchy, {{"of", of}}, 30, 1, 1).empty());
     REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e12, 1, 1) ==
-            std::vector<std::string>{"a weight is at its least, 1e-12: an outlier beyond all measure"});
+            std::vector<std::string>{"a weight is at its minimum, 1e-12: an extreme outlier"});
     REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e9, 1, 0) ==
             std::vector<std::string>{"R of rows that share a weight is singular: they keep the weight 1"});
     REQUIRE(estimated(*make(Loss::huber, {{"of", of}}, 1), {VectorXd::Constant(1, 9), one, 0 * one}).R == 0 * one);

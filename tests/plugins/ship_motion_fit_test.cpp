@@ -407,7 +407,7 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
     }
     return std::string("nothing");
   };
-  REQUIRE(why(record) == "B062 4 'x' is no number");
+  REQUIRE(why(record) == "B062 4 'x' is not a number");
   Json other = record;
   other["column"] = "yaw";
   REQUIRE(why(other) == "no column 'yaw'; the header has: t, roll/fit/record/column");
@@ -427,6 +427,6 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
   std::ofstream(file.path()) << still;
   other = record;
   other["segment"] = 20;
-  REQUIRE(why(other) == "nothing moves in the record/fit/record");
+  REQUIRE(why(other) == "the record contains no motion/fit/record");
   REQUIRE(why(record).find("a segment of 10 samples") == 0);
 }

@@ -229,7 +229,7 @@ def test_an_exception_ends_the_filter_with_its_traceback(world):
         (lambda self: (np.zeros(2), None, np.zeros(2)), "at most 1 rows"),
         (lambda self: (1.0, None, np.zeros((2, 2))), r"R is of shape \(2, 2\)"),
         (lambda self: None, "linearize gives None"),
-        (lambda self: ("a", None, 1.0), "the residual is 'a', which is no array of numbers"),
+        (lambda self: ("a", None, 1.0), "the residual is 'a', which is not an array of numbers"),
     ],
 )
 def test_a_wrong_answer_is_told_with_what_was_found_and_expected(world, answer, message):

@@ -124,7 +124,7 @@ TEST_CASE("what is missing or damaged is left out and said") {
   const Oxts r = drive.read();
   CHECK(r.of("").size() == 2);
   CHECK(r.has_reported("B062 timestamps.txt:2 1 data file skipped: data/0000000001.txt: it has"));
-  CHECK(r.has_reported("B062 timestamps.txt:5 1 stamp skipped: '2011-09-30 12:4x' is no time"));
+  CHECK(r.has_reported("B062 timestamps.txt:5 1 stamp skipped: '2011-09-30 12:4x' is not a time"));
   CHECK(r.has_reported("B065 timestamps.txt:6 1 stamp skipped: there is no data/0000000005.txt"));
   CHECK(r.has_reported("B063 timestamps.txt:4 1 stamp skipped: it is not in order of time"));
   CHECK(r.has_reported("1 files have no stamp and were left out, as 0000000009.txt"));

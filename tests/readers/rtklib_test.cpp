@@ -227,7 +227,7 @@ TEST_CASE("live: lines as they come") {
   REQUIRE(r.samples.size() == 2);
   CHECK(std::abs(r.samples[1]["lat"] - lla[0]) * 6.4e6 < 1e-6);
   CHECK(std::abs(r.samples[1]["vd"] - 0.75) < 1e-8);
-  CHECK(r.has_reported("a line is no good: it has 1 words instead of 24"));
+  CHECK(r.has_reported("a line is invalid: it has 1 words instead of 24"));
 }
 
 TEST_CASE("the recorded .pos is read as it is") {

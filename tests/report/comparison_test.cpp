@@ -236,7 +236,7 @@ TEST_CASE("binnacle report of one folder has nothing of a comparison, and of sev
     CHECK(contents(folder.path() / "said").find(message) != std::string::npos);
     CHECK_FALSE(fs::exists(folder.path() / "comparison.html"));
   };
-  refused("report a none", 5, "'none' is no folder");
+  refused("report a none", 5, "'none' is not a folder");
   refused("report a b --pair ins", 2, "--pair takes FIRST=OTHER");
   refused("report a b --pair ins=inz", 2, "none of the runs after the first has a filter 'inz'");
   refused("report a --pair ins=inz", 2, "one folder was given");

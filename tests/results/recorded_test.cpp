@@ -71,7 +71,7 @@ TEST_CASE("run --only says what a format is") {
   const auto wrong = run(bench, "out", {"--only", "nc,cvs"});
   CHECK(wrong.status == 2);
   CHECK(wrong.err ==
-        "error: --only: 'cvs' is no format; expected some of nc, csv, page, with commas between them; did you mean "
+        "error: --only: 'cvs' is not a format; expected some of nc, csv, page, with commas between them; did you mean "
         "'csv'?\n");
   CHECK(run(bench, "out", {"--only", "nc,"}).err.find("a format is missing in 'nc,'") != std::string::npos);
   CHECK(run(bench, "out", {"--compress", "10"}).status == 2);

@@ -199,7 +199,7 @@ TEST_CASE("gyros and accelerometers with wrong axes, signs and scales are named"
   CHECK(has(words([](Turns& increment) { increment.head<3>() *= 57.3; }), "are 57.3 times those of the course"));
   CHECK(has(words([](Turns& increment) { std::swap(increment[3], increment[4]); }),
             "ahead along +'fy', to the right along +'fx'"));
-  CHECK(has(words([](Turns& increment) { increment[4] *= -1; }), "a left hand"));
+  CHECK(has(words([](Turns& increment) { increment[4] *= -1; }), "left-handed"));
   CHECK(has(words([](Turns& increment) { increment.tail<3>() /= 9.81; }), "0.102 times gravity"));
 }
 

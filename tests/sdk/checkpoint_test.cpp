@@ -125,7 +125,7 @@ TEST_CASE("an interrupted run says how it goes on") {
   const auto outcome = command.wait();
   INFO(outcome.err);
   CHECK(outcome.signal == SIGINT);
-  CHECK(outcome.err.find("nothing was written; go on with --resume c") != std::string::npos);
+  CHECK(outcome.err.find("nothing was written; continue with --resume c") != std::string::npos);
   CHECK_FALSE(fs::exists(bench.path("out.csv")));
   CHECK(binnacle::test::binnacle(bench, with({"--out", "out", "--resume", "c"})).status == 0);
 }

@@ -216,7 +216,7 @@ TEST_CASE("a rank that is stopped before it has read its study is reported") {
   } catch (const binnacle::Error& thrown) {
     error = thrown.what();
   }
-  CHECK(error == "rank 2: error: no message for 1 s, so it is taken for dead; it has not read its study");
+  CHECK(error == "rank 2: error: no message for 1 s, so it is considered dead; it has not read its study");
   CHECK(std::chrono::steady_clock::now() - begin < 20s);
   first.send(1, R"(["over"])");
   office.gone = 2;
@@ -270,7 +270,7 @@ TEST_CASE("rank 0 that is stopped is reported by the others, loading and at work
     } catch (const binnacle::Error& thrown) {
       error = thrown.what();
     }
-    CHECK(error == "rank 0: error: no message for 1 s, so it is taken for dead");
+    CHECK(error == "rank 0: error: no message for 1 s, so it is considered dead");
     CHECK(std::chrono::steady_clock::now() - begin < 20s);
   }
 }

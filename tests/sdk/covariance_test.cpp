@@ -270,7 +270,7 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be compu
   refused(R"("covariance": {"channels": {"seen": {"interval": "0 s"}}})", "B009", "above zero");
   refused(R"("covariance": {"durations": "1 s"})", "B012", "did you mean 'duration'");
   refused(R"("covariance": {"outputs": {"x": "direct"}})", "B015", "no implied state 'direct'");
-  refused(R"("covariance": {"runs": 3})", "B012", "leave out the one or the other");
+  refused(R"("covariance": {"runs": 3})", "B012", "remove one of the two");
   refused(R"("covariance": {"channels": {"seen": null}})", "B010", "no channel emits");
   refused(R"("covariance": {"initial": {"place": {"of": "plaice", "by": [[1]]}}})", "B015",
           "there is no block 'plaice'");

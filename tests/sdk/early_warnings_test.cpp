@@ -42,13 +42,13 @@ TEST_CASE("a number in a unit that was forgotten is a warning of check and expla
 }
 
 TEST_CASE("a filter without any aiding of position is a warning, by what its measurements see") {
-  const std::string code = "warning[B112] /filters/ins/blocks/position: filter 'ins' is without any aiding of position";
+  const std::string code = "warning[B112] /filters/ins/blocks/position: filter 'ins' has no aiding of position";
   // By the velocity alone, and by nothing at all.
   for (const char* set : {"/filters/ins/measurements/fix/stack/position=null", "/filters/ins/measurements=null"}) {
     const auto text = warned("check", "quickstart.json", {set});
     INFO(text);
     CHECK(has(text, code));
-    CHECK(has(text, "no measurement sees 'position', the integral of 'velocity'"));
+    CHECK(has(text, "no measurement observes 'position', the integral of 'velocity'"));
   }
   CHECK(has(warned("check", "land/base.json", {}), code));
   // Its position is seen; it has none that moves; it is no position.

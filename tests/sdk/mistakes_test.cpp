@@ -43,17 +43,15 @@ const Mistake mistakes[] = {
         "wander": {)~",
      3,
      "bad.json:15:61: error[B019] /filters/walk/process/wander/blocks/x: block 'place' is advanced by 'stay' already; "
-     "exactly one process model moves a block\n"
-     "1 error\n"},
+     "exactly one process model advances a block\n1 error\n"},
     {"block without process model",
      R"~("wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.1 m/sqrt(s)" })~", "", 3,
      "bad.json:11:9: error[B018] /filters/walk/blocks/place: block 'place' is advanced by no process model; a constant "
      "is {\"type\": \"random_constant\", \"blocks\": {\"x\": \"place\"}}\n"
      "1 error\n"},
     {"duplicate key", R"~("size": 1,)~", R"~("size": 1, "size": 2,)~", 3,
-     "bad.json:11:49: error[B002] /filters/walk/blocks/place/size: duplicate key 'size'; it already stands at line 11, "
-     "column 38\n"
-     "1 error\n"},
+     "bad.json:11:49: error[B002] /filters/walk/blocks/place/size: duplicate key 'size'; the first is at line 11, "
+     "column 38\n1 error\n"},
     {"comma missing", R"~("size": 1,)~", R"~("size": 1)~", 3,
      "bad.json:11:47: error[B001]: expected ',' or '}' after the value, found '\"'\n"
      "1 error\n"},
@@ -92,8 +90,7 @@ const Mistake mistakes[] = {
      "bad.json:3:15: error[B040] /plugins/0: there is no plugin file or folder 'FOLDER/sonar.so'\n"
      "1 error\n"},
     {"a plugin that is none", R"~("title")~", R"~("plugins": ["fix.csv"], "title")~", 4,
-     "FOLDER/fix.csv: error[B041]: not a plugin for this program: it is no shared library (too short)\n"
-     "1 error\n"},
+     "FOLDER/fix.csv: error[B041]: not a plugin for this program: it is not a shared library (too short)\n1 error\n"},
     {"missing file", R"~("fix.csv")~", R"~("fixes.csv")~", 5,
      "FOLDER/fixes.csv: error[B060] /sources/fix: cannot be opened: No such file or directory\n"
      "1 error\n"},

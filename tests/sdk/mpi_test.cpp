@@ -96,7 +96,7 @@ TEST_CASE("mpirun -n 2 and 3, --jobs 1 and 2 leave the same files") {
       binnacle::test::binnacle(bench, {"study", "drive.json", "--jobs", "1", "--out", "ranks"}, mpirun({"-n", "2"}));
   INFO(ranks.err);
   REQUIRE(ranks.status == 0);
-  CHECK(ranks.err == "2 ranks, 2 threads; stopped or broken off, the same command goes on from there\n");
+  CHECK(ranks.err == "2 ranks, 2 threads; after an interruption, the same command continues it\n");
   CHECK(has(ranks.out, "24 runs, seed 7, wall time "));
   CHECK(ranks.out.find("24 runs") == ranks.out.rfind("24 runs"));  // only one of them prints
   check_same_files(bench, "one", "ranks");
@@ -107,7 +107,7 @@ TEST_CASE("mpirun -n 2 and 3, --jobs 1 and 2 leave the same files") {
   check_same_files(bench, "one", "both");
 }
 
-TEST_CASE("a rank that was killed ends the study, and the same command goes on from there") {
+TEST_CASE("a rank that was killed ends the study, and the same command continues it") {
   if (!has_mpi()) return;
   const Workbench bench;
   write_drive(bench);
@@ -130,7 +130,7 @@ TEST_CASE("a rank that was killed ends the study, and the same command goes on f
     INFO(outcome.err);
     CHECK(outcome.status == 128 + SIGKILL);
     CHECK(has(outcome.err, "process rank " + std::to_string(rank)));  // mpirun's words
-    CHECK(has(outcome.err, "; stopped or broken off, the same command goes on from there\n"));
+    CHECK(has(outcome.err, "; after an interruption, the same command continues it\n"));
     CHECK_FALSE(fs::exists(bench.path(folder + "/study.csv")));
     CHECK(lines_in(journal) < 161);
     const auto rest = binnacle::test::binnacle(bench, with(folder), rank == 1 ? mpirun({"-n", "2"}) : Start{});
@@ -157,7 +157,7 @@ TEST_CASE("mpirun that gets SIGTERM stops all ranks, and the study goes on later
   const auto outcome = running.wait();
   INFO(outcome.err);
   CHECK(outcome.status != 0);
-  CHECK(has(outcome.err, "the same command goes on from there\n"));
+  CHECK(has(outcome.err, "the same command continues it\n"));
   CHECK_FALSE(is_alive_after_a_while(other));
   CHECK_FALSE(fs::exists(bench.path("out/study.csv")));
   const auto rest = binnacle::test::binnacle(bench, words("8", "out"), mpirun({"-n", "2"}));
@@ -204,8 +204,8 @@ TEST_CASE("a rank that is stopped, at whatever moment, ends the study in the sta
       CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
       INFO(outcome.err);
       CHECK(outcome.status != 0);
-      const bool is_named = has(outcome.err, "no message for 2 s, so it is taken for dead");
-      const bool is_joining = has(outcome.err, "error: the ranks have not found each other within 2 s");
+      const bool is_named = has(outcome.err, "no message for 2 s, so it is considered dead");
+      const bool is_joining = has(outcome.err, "error: the ranks did not connect to each other within 2 s");
       CHECK((is_named || is_joining));
       if (is_named) CHECK(has(outcome.err, "rank " + std::to_string(rank)));
       CHECK_FALSE(is_alive_after_a_while(victim));
@@ -219,8 +219,7 @@ TEST_CASE("a time-out that is no number of seconds is refused") {
     start.environment["BINNACLE_MPI_TIMEOUT"] = text;
     const auto outcome = binnacle::test::binnacle(bench, {"study", "good.json"}, start);
     CHECK(outcome.status == 2);
-    CHECK(has(outcome.err,
-              std::string("error: BINNACLE_MPI_TIMEOUT takes seconds, from 1 to 86400; found '") + text + "'"));
+    CHECK(has(outcome.err, std::string("error: BINNACLE_MPI_TIMEOUT takes 1 to 86400 seconds; found '") + text + "'"));
   }
 }
 

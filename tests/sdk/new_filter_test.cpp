@@ -76,9 +76,9 @@ TEST_CASE("new filter refuses a config that a copy of its folder's files would n
   fs::create_directory(bench.path("inner"));
   bench.write("inner/data.json",
               R"({"vars": {"drive": "../drive"}, "sources": {"s": {"type": "csv", "path": "${drive}/imu.csv"}}})");
-  CHECK(begins(
-      refusal(bench, {"new", "filter", "x", "--from", "inner/data.json"}),
-      "error: 'inner/data.json' needs '../drive', which does not come along; run it where it is, or copy its folder"));
+  CHECK(begins(refusal(bench, {"new", "filter", "x", "--from", "inner/data.json"}),
+               "error: 'inner/data.json' needs '../drive', which is not copied; run the example in its folder, or copy "
+               "this folder"));
   bench.write("inner/plugin.json", R"({"plugins": ["build/own.so"]})");
   CHECK(begins(refusal(bench, {"new", "filter", "x", "--from", "inner/plugin.json"}),
                "error: 'inner/plugin.json' needs 'build/own.so'"));

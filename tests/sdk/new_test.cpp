@@ -62,10 +62,10 @@ TEST_CASE("new plugin is of kind process in this folder by default, and prints w
 TEST_CASE("new plugin refuses what could not be built, loaded or told apart") {
   const Workbench bench;
   is_refused(bench, {"new", "plugin", "MyWalk"},
-             "'MyWalk' is no name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
-  is_refused(bench, {"new", "plugin", "2nd"}, "'2nd' is no name in snake_case (a-z, 0-9, _)");
+             "'MyWalk' is not a name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
+  is_refused(bench, {"new", "plugin", "2nd"}, "'2nd' is not a name in snake_case (a-z, 0-9, _)");
   is_refused(bench, {"new", "plugin", "../my_walk"},
-             "'../my_walk' is no name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
+             "'../my_walk' is not a name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
   is_refused(bench, {"new", "plugin", std::string(49, 'a')}, "the name has 49 characters; 48 are possible");
   is_refused(bench, {"new", "plugin", "test"}, "'test' is the name of one of CMake's own targets; choose another");
   is_refused(bench, {"new", "plugin", "core"}, "there is a plugin 'core' already; choose another name");

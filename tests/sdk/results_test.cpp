@@ -262,7 +262,7 @@ TEST_CASE("a file that finds no room leaves nothing, exit status 5") {
 TEST_CASE("read() states in a line what is wrong with a folder") {
   const Workbench bench;
   const auto said = [&](const std::string& name) { return complaint_of(bench.path(name)); };
-  CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is no folder");
+  CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is not a folder");
   CHECK(said("").find("holds neither run.nc nor study.nc; make one with 'binnacle run CONFIG --out ") !=
         std::string::npos);
 
@@ -279,8 +279,7 @@ TEST_CASE("read() states in a line what is wrong with a folder") {
   said_of("");
   for (const std::size_t cut : {std::size_t{8}, whole.size() / 2, whole.size() - 1}) said_of(whole.substr(0, cut));
   // An empty NetCDF file of the classic kind.
-  CHECK(said_of(std::string("CDF\x01", 4) + std::string(28, '\0')).find("none that Binnacle made") !=
-        std::string::npos);
+  CHECK(said_of(std::string("CDF\x01", 4) + std::string(28, '\0')).find("not one from Binnacle") != std::string::npos);
 
   bench.write("out/run.nc", whole);
   CHECK(said("out").empty());
@@ -288,9 +287,9 @@ TEST_CASE("read() states in a line what is wrong with a folder") {
   CHECK(said("out").find("study.nc' cannot be read: it is no study") != std::string::npos);
   fs::remove(bench.path("out/study.nc"));
   fs::rename(bench.path("out/summary.json"), bench.path("summary.json"));
-  CHECK(said("out").find("summary.json' cannot be read: it is not there") != std::string::npos);
+  CHECK(said("out").find("summary.json' cannot be read: it is missing") != std::string::npos);
   bench.write("out/summary.json", "{ \"filters\": ");
-  CHECK(said("out").find("summary.json' cannot be read: it is no JSON object") != std::string::npos);
+  CHECK(said("out").find("summary.json' cannot be read: it is not a JSON object") != std::string::npos);
 }
 
 TEST_CASE("ncdump shows what is in run.nc") {

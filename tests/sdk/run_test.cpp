@@ -192,8 +192,8 @@ TEST_CASE("a filter that breaks is exit status 1, and its record and summary are
   CHECK(outcome.status == 1);
   CHECK(outcome.err ==
         "bad.json:9:5: error[B080] /filters/walk: filter 'walk' broke: plugin 'core', component 'random_walk' "
-        "(/filters/walk/process/wander): propagate at 1 s gave 'place.x' the process noise inf, which is no variance\n"
-        "1 error\n");
+        "(/filters/walk/process/wander): propagate at 1 s gave 'place.x' the process noise inf, which is not a "
+        "variance\n1 error\n");
   CHECK(json::parse(read_file(bench.path("out/summary.json"))).at("filters").at("walk").contains("broken"));
   CHECK(fs::exists(bench.path("out/walk.csv")));
 }

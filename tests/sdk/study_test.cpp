@@ -174,7 +174,7 @@ TEST_CASE("a study that was killed goes on where it was, and its files are those
     running.signal(signal);
     const auto outcome = running.wait();
     REQUIRE(outcome.signal == signal);
-    if (signal == SIGINT) CHECK(outcome.err == "error: interrupted; the same command goes on from here\n");
+    if (signal == SIGINT) CHECK(outcome.err == "error: interrupted; the same command continues from here\n");
     CHECK_FALSE(fs::exists(bench.path(folder + "/study.csv")));
     const auto kept = lines_in(journal) - 1;
     REQUIRE(kept >= 3);
@@ -196,15 +196,13 @@ TEST_CASE("the journal of another study is refused, with the remedy") {
   CHECK(seed.status == 2);
   CHECK(seed.err ==
         "out/study.journal:1: error[B092]: this journal is of a study with another seed; give another --out, or delete "
-        "the "
-        "file to begin anew\n1 error\n");
+        "the file to start again\n1 error\n");
   const auto config =
       command(bench, {"study", "study.json", "--out", "out", "--set", "/filters/walk/blocks/place/sigma=2"});
   CHECK(config.status == 2);
   CHECK(config.err ==
         "out/study.journal:1: error[B092]: this journal is of a study with another config, program or plugin; give "
-        "another "
-        "--out, or delete the file to begin anew\n1 error\n");
+        "another --out, or delete the file to start again\n1 error\n");
   // More runs, another title or table: the same study.
   const auto more = command(bench, {"study", "study.json", "--out", "out", "--runs", "4", "--quiet"});
   CHECK(more.status == 0);
@@ -221,9 +219,8 @@ TEST_CASE("a run that breaks is reported with what repeats it, and the others go
   CHECK(outcome.status == 1);
   const std::string broke =
       "filter 'walk' broke: plugin 'core', component 'random_walk' (/filters/walk/process/wander): propagate at 1 s "
-      "gave "
-      "'place.x' the process noise inf, which is no variance; to see it: binnacle run study.json --variant nervous "
-      "--seed 1 ";
+      "gave 'place.x' the process noise inf, which is not a variance; to see it: binnacle run study.json --variant "
+      "nervous --seed 1 ";
   CHECK(outcome.err == "study.json: error[B093]: variant 'nervous', seed 1, run 0: " + broke +
                            "--run 0\nstudy.json: error[B093]: variant 'nervous', seed 1, run 1: " + broke +
                            "--run 1\nerror: 2 of 4 runs broke\n");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Live sources: what comes in, by whatever way, is what the run over files gives; what is no good is reported, and never fatal."""
+"""Live sources: what comes in, by whatever way, is what the run over files gives; what is invalid is reported, and never fatal."""
 import csv
 import json
 import os
@@ -186,8 +186,8 @@ class Live(unittest.TestCase):
                     connection.sendall(("\n".join(part) + "\n").encode())
             out, err, status = self.interrupt_when_done(process)
         self.assertEqual(status, 0, err)
-        self.assertIn("nobody is there, or the connection was lost", err)
-        self.assertIn("the connection is there again", err)
+        self.assertIn("there is no connection, or it was lost", err)
+        self.assertIn("the connection is restored", err)
         self.assert_same(out, err)
 
     def test_it_is_a_server(self):
@@ -231,7 +231,7 @@ class Live(unittest.TestCase):
             time.sleep(1)
             sender.sendto(self.lines[-1].encode(), ("127.0.0.1", port))
         _, err, _ = self.interrupt_when_done(process)
-        self.assertIn("datagrams so far came faster than the filter works, and were lost", err.replace("\n", " "))
+        self.assertIn("datagrams so far came faster than the filter runs and were lost", err.replace("\n", " "))
 
     def test_a_terminal_as_a_receiver(self):
         near, far = pty.openpty()
@@ -251,13 +251,13 @@ class Live(unittest.TestCase):
     def test_what_is_no_good_is_reported_and_not_fatal(self):
         bad = {'{"channel": "imu", "t": 1': "no JSON object",
                "[1, 2]": "no JSON object",
-               '{"t": 3, "wx": 1}': 'it does not say of which "channel" it is',
+               '{"t": 3, "wx": 1}': 'its "channel" is missing',
                '{"channel": "imux", "t": 3}': "there is no channel 'imux'",
                '{"channel": "imu", "wx": 1}': "it has no time 't'",
                '{"channel": "imu", "t": "soon", "wx": 1}': "it has no time 't'",
                '{"channel": "imu", "t": 1e40, "wx": 1}': "its time is out of range",
                '{"channel": "gnss", "t": 3}': "it has none of its channel's fields",
-               '{"channel": "gnss", "t": 0.5, "lat": null, "lon": 1}': "a field is missing, or is no number",
+               '{"channel": "gnss", "t": 0.5, "lat": null, "lon": 1}': "a field is missing, or is not a number",
                "\x00\xff garbage \x07": "no JSON object"}
         lines = list(self.lines)
         for index, line in enumerate(bad):
@@ -274,7 +274,7 @@ class Live(unittest.TestCase):
         done = self.run_to_end(live_config("stdin:", on_error="stop"), "\n".join(lines))
         self.assertEqual(done.returncode, 5)
         self.assertIn("stdin::1001", done.stderr)
-        self.assertIn("it is no JSON object", done.stderr.replace("\n", " "))
+        self.assertIn("it is not a JSON object", done.stderr.replace("\n", " "))
 
     def test_silence_is_reported_and_its_end(self):
         process = self.start(live_config("stdin:", silence="0.3 s"), stdin=subprocess.PIPE)
@@ -341,7 +341,7 @@ class Live(unittest.TestCase):
     def test_addresses_that_are_none(self):
         wrong = {"stdin": "did you mean 'stdin:'?", "log.jsonl": "did you mean 'file:log.jsonl'?",
                  "http://x:1": "an address is stdin:, file:PATH", "tcp://localhost": "no port is given",
-                 "udp://:70000": "'70000' is no port", "serial://ttyUSB0": "named by its whole path",
+                 "udp://:70000": "'70000' is not a port", "serial://ttyUSB0": "named by its whole path",
                  "serial:///dev/x?b=1": "the one option of serial:// is ?baud=NUMBER", "stdout:": "did you mean 'stdin:'?"}
         for address, why in wrong.items():
             done = self.run_to_end(live_config(address), "")

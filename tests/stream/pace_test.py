@@ -110,7 +110,7 @@ class Pace(unittest.TestCase):
         self.assertIn("ends in the middle of line", done.stderr)
         with open("input.jsonl", "w") as file:
             file.write("t,x\n1,2\n")
-        self.assertIn("is no recorded input", self.run_it("--input", "input.jsonl", status=5))
+        self.assertIn("is not a recorded input", self.run_it("--input", "input.jsonl", status=5))
         with open("input.jsonl", "w") as file:
             file.write(text.replace('"lat"', '"latitude"', 1))
         self.assertIn("channel 'drive.gnss' had", self.run_it("--input", "input.jsonl", status=5))

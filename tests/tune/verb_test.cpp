@@ -137,7 +137,7 @@ TEST_CASE("tune refuses what nothing excites, and gives the others") {
   CHECK_FALSE(has(read_file(bench.path("tuned.json")), "haunt"));
   const auto outcome = binnacle::test::binnacle(bench, {"tune", "c.json", "--quiet"});
   CHECK(outcome.out.empty());
-  CHECK(has(outcome.err, "not determined, and left as it is: /filters/walk/process/haunt/q"));
+  CHECK(has(outcome.err, "not determined and not changed: /filters/walk/process/haunt/q"));
 }
 
 TEST_CASE("tune names the direction where only a sum is known") {

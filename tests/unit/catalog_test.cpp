@@ -170,7 +170,7 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
   };
   std::ofstream(scratch.path / "text.so") << std::string(200, 'x');
   CHECK(message("text.so") ==
-        "text.so: error[B041]: not a plugin for this program: it is no shared library (not an ELF file)");
+        "text.so: error[B041]: not a plugin for this program: it is not a shared library (not ELF)");
   std::ofstream(scratch.path / "empty.so");
   CHECK(message("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
   fs::create_directory(scratch.path / "folder.so");
@@ -185,7 +185,7 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
   const std::string bytes{std::istreambuf_iterator<char>(whole), {}};
   for (const std::size_t part : {std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     std::ofstream(scratch.path / "cut.so", std::ios::binary | std::ios::trunc) << bytes.substr(0, part);
-    CHECK(message("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or cut short");
+    CHECK(message("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or truncated");
   }
   // Whatever byte of its head is wrong: an error or a plugin, never a crash. Not loaded, so inspected only.
   std::string machine = bytes;
@@ -311,9 +311,9 @@ TEST_CASE("a stale library in a searched folder is a warning, until a type is wa
   };
   CHECK(find("still") == "");
   CHECK(find("modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'modern'; '" + file +
-                              "' may have it, but is not loaded: " + why);
+                              "' may contain it, but is not loaded: " + why);
   CHECK(find("newer/modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'newer/modern'; '" + file +
-                                    "' may have it, but is not loaded: " + why);
+                                    "' may contain it, but is not loaded: " + why);
   CHECK(find("good/stil") ==
         "c.json:3:5: error[B011] /x/type: unknown state block 'good/stil'; did you mean 'good/still'?");
 
@@ -345,7 +345,7 @@ TEST_CASE("what a constructor throws is contained, and names plugin, component, 
   CHECK(std::string(thrown("own_error").what()) ==
         "plugin 'good', component 'thrower': its constructor threw: lost my marbles");
   CHECK(std::string(thrown("int").what()) ==
-        "plugin 'good', component 'thrower': its constructor threw: something that is no std::exception");
+        "plugin 'good', component 'thrower': its constructor threw: something that is not a std::exception");
   CHECK(std::string(thrown("nothing").what()) == "nothing was thrown");
   const ParameterValue nothing = what("nothing");
   CHECK_THROWS_AS(type.create<Sink>(binding(nothing)), std::logic_error);

@@ -344,7 +344,7 @@ TEST_CASE("what cannot be the covariance of noise is refused, what is symmetric 
   CHECK(flaw_of_noise(view()) == "R(0, 1) = 0.0001 but R(1, 0) = -0.0001, which is not symmetric");
   R(1, 0) = 1e-4;
   R(2, 2) = -1e-300;
-  CHECK(flaw_of_noise(view()) == "R(2, 2) = -1e-300, which is no variance");
+  CHECK(flaw_of_noise(view()) == "R(2, 2) = -1e-300, which is not a variance");
   R(2, 2) = std::numeric_limits<double>::infinity();
   CHECK(flaw_of_noise(view()) == "R(2, 2) = inf, which is not finite");
   R(2, 2) = 0;

@@ -120,8 +120,8 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
   CHECK(errors_of("{\n  \"a\" 1\n}") == "a.json:2:7: error[B001]: expected ':' after the key 'a', found '1'");
   CHECK(errors_of("{\"a\": tau}") == "a.json:1:7: error[B001]: expected a value, found 'tau'");
   CHECK(errors_of("{\"a\": 2h}") ==
-        "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit stands in "
-        "double quotes");
+        "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit needs double "
+        "quotes");
   CHECK(errors_of("{\"a\": 01}").find("bad number '01'") != std::string::npos);
   CHECK(errors_of("{'a': 1}") ==
         "a.json:1:2: error[B001]: expected a key in double quotes or '}', found a single quote; texts stand "
@@ -156,10 +156,9 @@ TEST_CASE("what a text and a number cannot hold is reported with its place", "[d
 
 TEST_CASE("commas too many, commas too few and duplicate keys are reported together", "[document]") {
   CHECK(errors_of("{\n  \"a\": [1, 2,],\n  \"b\": 1\n  \"c\": 2,\n  \"a\": 3,\n}") ==
-        "a.json:2:13: error[B001]: trailing comma before ']'; delete it\n"
-        "a.json:3:9: error[B001]: expected ',' or '}' after the value, found '\"'\n"
-        "a.json:5:3: error[B002] /a: duplicate key 'a'; it already stands at line 2, column 3\n"
-        "a.json:5:9: error[B001]: trailing comma before '}'; delete it");
+        "a.json:2:13: error[B001]: trailing comma before ']'; delete it\na.json:3:9: error[B001]: expected ',' or '}' "
+        "after the value, found '\"'\na.json:5:3: error[B002] /a: duplicate key 'a'; the first is at line 2, column "
+        "3\na.json:5:9: error[B001]: trailing comma before '}'; delete it");
 }
 
 TEST_CASE("places of keys and values", "[document]") {
@@ -325,8 +324,8 @@ TEST_CASE("mistakes with variables", "[document]") {
         "other=VALUE\n"
         "a.json:2:45: error[B005] /r: '${': expected '${name}'; a literal '${' is written '$${'");
   CHECK(errors_of("{\"vars\": {\"drive\": \"x\"}}", {{{"drives", "y"}, {"dr=", ""}}, {}}) ==
-        "--var: error[B029]: '--var dr=' does not read name=value\n"
-        "--var: error[B029]: the config has no variable 'drives'; did you mean 'drive'?");
+        "--var: error[B029]: '--var dr=' is not name=value\n--var: error[B029]: the config has no variable "
+        "'drives'; did you mean 'drive'?");
   CHECK(errors_of("{\"vars\": {\"a\": \"${b}\", \"b\": \"${a}\"}}") ==
         "a.json:1:16: error[B005] /vars/a: variables form a cycle: b -> a -> b");  // once
   CHECK(errors_of("{\"vars\": {\"a\": [1]}}") ==
@@ -371,15 +370,12 @@ TEST_CASE("mistakes with --set", "[document]") {
   const std::string text = "{\"a\": {\"beta\": 1}, \"l\": [1, 2]}";
   CHECK(errors_of(text, with_sets({"a/beta=1", "/a", "/a/beta/c=1", "/l/2=1", "/a/bta=null", "/a/x={1",
                                    "/extends=\"b\"", "/~2=1"})) ==
-        "--set: error[B029]: 'a/beta' is no JSON pointer; did you mean '/a/beta'?\n"
-        "--set: error[B029] /a: '/a' does not read /pointer=value\n"
-        "--set: error[B029] /a/beta/c: '/a/beta' is a number, not an object or list\n"
-        "--set: error[B029] /l/2: '/l' is a list of 2; '2' is none of its indices (which count from 0; '-' "
-        "appends)\n"
-        "--set: error[B029] /a/bta: there is nothing to delete; did you mean '/a/beta'?\n"
-        "--set: error[B029] /a/x: '{1' begins like JSON but is not\n"
-        "--set: error[B029] /extends: extends cannot be set; it is resolved before --set\n"
-        "--set: error[B029] /~2: a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
+        "--set: error[B029]: 'a/beta' is not a JSON pointer; did you mean '/a/beta'?\n--set: error[B029] /a: '/a' is "
+        "not of the form /pointer=value\n--set: error[B029] /a/beta/c: '/a/beta' is a number, not an object or "
+        "list\n--set: error[B029] /l/2: '/l' is a list of 2; '2' is not one of its indices (which start at 0; '-' "
+        "appends)\n--set: error[B029] /a/bta: there is nothing to delete; did you mean '/a/beta'?\n--set: error[B029] "
+        "/a/x: '{1' begins like JSON but is not\n--set: error[B029] /extends: extends cannot be set; it is resolved "
+        "before --set\n--set: error[B029] /~2: a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
 }
 
 TEST_CASE("the hash follows the resolved document", "[document]") {

@@ -150,14 +150,14 @@ TEST_CASE("a number out of range is reported as it was written", "[spec]") {
 TEST_CASE("a number that no sensor has is let through with a warning", "[spec]") {
   const auto noise = [] { return vector("v", "rad/s/sqrt(Hz)", 2).at_least(0).plausible(1e-9, 1e-2).defaults("1"); };
   CHECK(said_of(noise(), "0.5") ==
-        "c.json:1:7: warning[B111] /v: 'v' is 0.5 rad/sqrt(s), which is hardly right: expected is between 1e-09 "
+        "c.json:1:7: warning[B111] /v: 'v' is 0.5 rad/sqrt(s), which is implausible; expected: between 1e-09 "
         "rad/sqrt(s) and 0.01 rad/sqrt(s); a number without unit is SI; did you mean \"0.5 deg/sqrt(h)\"?");
   CHECK(said_of(noise(), "[\"0.5 deg/sqrt(h)\", \"500 deg/sqrt(h)\"]") ==
-        "c.json:1:27: warning[B111] /v/1: 'v' is 500 deg/sqrt(h) (0.145 rad/sqrt(s)), which is hardly right: expected "
-        "is between 1e-09 rad/sqrt(s) and 0.01 rad/sqrt(s); is its unit right?");
+        "c.json:1:27: warning[B111] /v/1: 'v' is 500 deg/sqrt(h) (0.145 rad/sqrt(s)), which is implausible; expected: "
+        "between 1e-09 rad/sqrt(s) and 0.01 rad/sqrt(s); is its unit right?");
   CHECK(said_of(number("v", "m").plausible(0, 100), "-1200") ==
-        "c.json:1:7: warning[B111] /v: 'v' is -1200 m, which is hardly right: expected is at most 100 m; a number "
-        "without unit is SI");
+        "c.json:1:7: warning[B111] /v: 'v' is -1200 m, which is implausible; expected: at most 100 m; a number without "
+        "unit is SI");
   // Nothing, the bounds themselves, and a default.
   for (const char* right : {"0", "1e-9", "1e-2", "[0, 1e-4]"}) CHECK(said_of(noise(), right) == "");
   CHECK(check({noise()}, "{}").text == "");
@@ -286,7 +286,7 @@ TEST_CASE("instants and windows", "[spec]") {
   CHECK(diagnostics.items()[0].message ==
         "'strat+60 s' does not begin with a number; expected something like '120 s'; "
         "write \"228 s\" or \"start+60 s\"");
-  CHECK(diagnostics.items()[1].message == "true is no time; write \"228 s\" or \"start+60 s\"");
+  CHECK(diagnostics.items()[1].message == "true is not a time; write \"228 s\" or \"start+60 s\"");
   CHECK(diagnostics.items()[2].message == "the window ends before it begins");
   CHECK(diagnostics.items()[3].message ==
         "a window is [from, to], for example [\"228 s\", \"258 s\"]; found a list of 1");
@@ -357,7 +357,7 @@ TEST_CASE("a spec that contradicts itself is found out", "[spec]") {
                      choice("c", {}),
                      number("d", "m").required().defaults("1"),
                      number("e", "parsec")};
-  CHECK(spec_defects(spec) == Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' stands twice",
+  CHECK(spec_defects(spec) == Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' appears twice",
                                     "parameter 'b' has the unit of the port 'y', which it lacks",
                                     "parameter 'c' has nothing to choose from",
                                     "parameter 'd' is required and has a default",

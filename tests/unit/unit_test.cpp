@@ -143,7 +143,7 @@ TEST_CASE("a unit that is none says what is wrong", "[unit]") {
   CHECK(unit_error("m s") == "unit 'm s' has an unexpected ' '; write '*' for a product");
   CHECK(unit_error("m/") == "unit 'm/' ends where a unit is expected");
   CHECK(unit_error("deg/sqrt(h") == "unit 'deg/sqrt(h' lacks a ')'");
-  CHECK(unit_error("Hz^0.5") == "unit 'Hz^0.5' has a power that is no whole number; a root is written sqrt(...)");
+  CHECK(unit_error("Hz^0.5") == "unit 'Hz^0.5' has a power that is not a whole number; a root is written sqrt(...)");
   CHECK(unit_error("sqrt(sqrt(m))") == "unit 'sqrt(sqrt(m))' has a root of a root");
   CHECK(unit_error("m^99") == "unit 'm^99' has an exponent out of range");
   CHECK(unit_error("") == "empty unit; a number without a unit is '1'");
@@ -192,9 +192,9 @@ TEST_CASE("times are exact to the nanosecond", "[unit]") {
   CHECK(*parse_time("0.0000000000000000001 s") == 0);
   CHECK(*parse_time("4000000000.123456789 s") == 4'000'000'000'123'456'789);
   CHECK(*parse_time("0.000277777777778 h") == 1'000'000'000);
-  CHECK(parse_time("1 1/Hz").error() == "unit '1/Hz' is no time; use ns, us, ms, s, min, h or day");
+  CHECK(parse_time("1 1/Hz").error() == "unit '1/Hz' is not a time; use ns, us, ms, s, min, h or day");
   CHECK(parse_time("228").error() == "'228' has no unit; write '228 s'");
-  CHECK(parse_time("5 m").error() == "unit 'm' is no time; use ns, us, ms, s, min, h or day");
+  CHECK(parse_time("5 m").error() == "unit 'm' is not a time; use ns, us, ms, s, min, h or day");
   CHECK(parse_time("soon").error() == "'soon' does not begin with a number; expected something like '120 s'");
   CHECK(parse_time("1e30 s").error() == "the time '1e30 s' is beyond 146 years");
 }

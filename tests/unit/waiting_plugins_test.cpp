@@ -133,7 +133,7 @@ TEST_CASE("a plugin whose list is wrong is refused, type by type", "[catalog]") 
   CHECK(load("wrong_list") == Lines{"wrong_list.so: error[B045]: " + more, "wrong_list.so: error[B045]: " + fewer});
 
   const std::string refused = "wrong_list.so: warning[B047]: not loaded: " + more + " (and 1 more)\n";
-  const std::string lacking = "'wrong_list.so' may have it, but is not loaded: " + more + " (and 1 more)";
+  const std::string lacking = "'wrong_list.so' may contain it, but is not loaded: " + more + " (and 1 more)";
   CHECK(Waiting({"wrong_list"}).want(Role::state_block, "still") ==
         refused + "c.json:3:5: error[B047] /x/type: unknown state block 'still'; " + lacking);
   // Not in its list: looked for in it all the same.

@@ -36,7 +36,7 @@ class BlockReader {
     const std::size_t failures = filter_.composer.failures();
     if (init["channel"]) return read_initial_channel(init);
     if (init["again"])
-      return init["again"].error("B010", "an initial value starts anew from a channel: \"again\": {\"channel\": …}");
+      return init["again"].error("B010", "an initial value restarts from a channel: \"again\": {\"channel\": …}");
     std::vector<double> values(declaration_.outputs.size(), 0.0);
     read_initial_values(init, values);
     if (filter_.composer.failures() != failures) return;
@@ -307,7 +307,7 @@ void FilterComposer::read_initial_values() {
   const bool starts_anew = std::ranges::any_of(plan.initial, &LatestPlan::is_of_restart);
   const Reader longest = at["longest_bridge"];
   if (longest && !starts_anew)
-    longest.error("B010", "'longest_bridge' needs an 'init' with \"again\": without one the filter can not start anew");
+    longest.error("B010", "'longest_bridge' needs an 'init' with \"again\": without one the filter cannot restart");
   constexpr Time default_longest = 10 * nanoseconds_per_second;
   if (starts_anew) plan.longest_bridge = longest.time().value_or(default_longest);
 }

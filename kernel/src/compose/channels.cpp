@@ -227,8 +227,7 @@ void Composer::add_sources() {
   for (const auto& source : plan_->sources)
     if (source.latency)
       place(source.pointer + "/latency")
-          .error("B010",
-                 "'latency' is for recorded data; here a source is live, and its samples arrive when they come");
+          .error("B010", "'latency' is for recorded data, but a source is live: its samples arrive in real time");
 }
 
 void Composer::add_transforms() {
@@ -246,10 +245,11 @@ void Composer::add_transforms() {
     });
   };
   // A transform can be bound once the channels that it subscribes to are known.
-  const auto cycle =
-      in_order(transforms, "these transforms feed each other: ", is_waiting, [&](const Reader& transform) {
-        if (!add_stage<Transform>(*this, transform, plan_->transforms)) fail_component(transform.key());
-      });
+  const auto cycle = in_order(transforms, "these transforms depend on each other in a cycle: ", is_waiting,
+                              [&](const Reader& transform) {
+                                if (!add_stage<Transform>(*this, transform, plan_->transforms))
+                                  fail_component(transform.key());
+                              });
   for (const auto& name : cycle) fail_component(name);
 }
 

@@ -196,7 +196,7 @@ void Composer::order_nodes() {
     if (next == open.end()) {
       std::vector<std::string> names;
       for (const auto& work : open) names.push_back(work.pointer);
-      return place(names.front()).error("B023", "these feed each other: " + listed(names));
+      return place(names.front()).error("B023", "these depend on each other in a cycle: " + listed(names));
     }
     plan_->nodes.push_back(next->node);
     open.erase(next);

@@ -75,7 +75,7 @@ void FilterComposer::warn_of_gates() const {
     if (measurement.gate > 0 && measurement.recover_after == 0 && measurement.is_watched)
       composer.place(measurement.pointer)["recover"].warning(
           "B113", "the gate of '" + measurement.name +
-                      "' has no recovery: if the estimate is wrong, right samples stay refused to the end; where "
+                      "' has no recovery: if the estimate is wrong, correct samples are refused to the end; if "
                       "refusals are expected, add it to \"except\" of the filter's \"trust\"");
 }
 
@@ -91,9 +91,9 @@ void FilterComposer::warn_of_dead_reckoning() const {
     const auto sees_it = [&](const MeasurementPlan& seen) { return index_of(seen.columns, block.first) >= 0; };
     if (!has_unit(block, "m") || !has_unit(rate, "m/s") || std::ranges::any_of(plan.measurements, sees_it)) continue;
     composer.diagnostics().warning("B112", composer.place(block.pointer).key_origin(), block.pointer,
-                                   "filter '" + plan.name +
-                                       "' is without any aiding of position: no measurement sees '" + block.name +
-                                       "', the integral of '" + rate.name + "', so its error grows without bound");
+                                   "filter '" + plan.name + "' has no aiding of position: no measurement observes '" +
+                                       block.name + "', the integral of '" + rate.name +
+                                       "', so its error grows without bound");
   }
 }
 
@@ -264,10 +264,10 @@ void FilterComposer::add_derived() {
     failed_values.insert(name);
     fail();
   };
-  const auto cycle =
-      composer.in_order(derived, "these derived blocks need each other: ", is_waiting, [&](const Reader& item) {
-        if (!add_derived_block(item)) fail_derived(item.key());
-      });
+  const auto cycle = composer.in_order(derived, "these derived blocks depend on each other in a cycle: ", is_waiting,
+                                       [&](const Reader& item) {
+                                         if (!add_derived_block(item)) fail_derived(item.key());
+                                       });
   for (const auto& name : cycle) fail_derived(name);
 }
 
@@ -334,11 +334,11 @@ bool FilterComposer::add_process(const Reader& process_at, bool is_whole) {
     auto& block = plan.blocks[as_size(process.ports[p])];
     if (block.process == count_of(plan.processes))
       component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is on two ports of '" + process.name +
-                                                          "' that advance it; each wants a block of its own");
+                                                          "' that advance it; each needs its own block");
     else if (block.process >= 0)
       component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is advanced by '" +
                                                           plan.processes[as_size(block.process)].name +
-                                                          "' already; exactly one process model moves a block");
+                                                          "' already; exactly one process model advances a block");
     else
       block.process = count_of(plan.processes);
   }

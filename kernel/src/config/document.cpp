@@ -39,7 +39,7 @@ std::string assign(Node& root, const Tokens& tokens, Node value) {
     }
     if (!child && is_list)
       return in_quotes(at) + " is a list of " + std::to_string(parent->children.size()) + "; " + in_quotes(token) +
-             " is none of its indices (which count from 0" + (erase ? ")" : "; '-' appends)");
+             " is not one of its indices (which start at 0" + (erase ? ")" : "; '-' appends)");
     if (!child) {
       const std::string meant = closest(token, parent->keys());
       return "there is nothing to delete" +
@@ -64,9 +64,9 @@ void apply_setting(Node& root, const std::string& setting, const Folder& folder,
     diagnostics.error("B029", command_line, is_absolute ? pointer : "", message);
   };
   if (!is_utf8(setting)) return report("--set is not UTF-8");
-  if (equals == std::string::npos) return report(in_quotes(setting) + " does not read /pointer=value");
+  if (equals == std::string::npos) return report(in_quotes(setting) + " is not of the form /pointer=value");
   if (!is_absolute)
-    return report(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
+    return report(in_quotes(pointer) + " is not a JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
   const auto tokens = split_pointer(pointer);
   if (!tokens) return report("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
   if (tokens->back() == "extends") return report("extends cannot be set; it is resolved before --set");

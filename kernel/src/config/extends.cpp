@@ -36,7 +36,7 @@ Slurped slurp(const fs::path& path, bool is_main) {
   if (!file.failure.empty()) return {"", file.failure};
   if (S_ISDIR(file.status.st_mode)) return {"", "it is a folder"};
   if (!S_ISREG(file.status.st_mode) && !is_main)
-    return {"", "it is no regular file; write what it gives into one, and name that"};
+    return {"", "it is not a regular file; copy its contents to a regular file and name that"};
   std::string text;
   std::vector<char> piece(std::size_t{1} << 16);
   while (text.size() <= most_bytes) {

@@ -145,7 +145,7 @@ class JsonReader {
     } catch (const Json::parse_error&) {
       const char first = peek();
       if (base::is_digit(first) || first == '+' || first == '-' || first == '.')
-        stop("bad number " + found() + "; a number reads like -0.5 or 1e-3, one with a unit stands in double quotes");
+        stop("bad number " + found() + "; a number reads like -0.5 or 1e-3, one with a unit needs double quotes");
       stop("expected a value, found " + found());
     }
   }
@@ -196,7 +196,7 @@ class JsonReader {
     const Member* first = is_member ? node.find(key) : nullptr;
     if (first)
       diagnostics_.error("B002", origin, own_pointer,
-                         "duplicate key " + in_quotes(key) + "; it already stands at " + place_text(first->key_origin));
+                         "duplicate key " + in_quotes(key) + "; the first is at " + place_text(first->key_origin));
     else
       node.children.push_back({std::move(key), origin, std::move(own)});
   }

@@ -173,7 +173,7 @@ struct UnitParser {
     const auto [last, status] = std::from_chars(first, text.data() + text.size(), exponent);
     at += static_cast<std::size_t>(last - first);
     if (status != std::errc() || (peek() == '.' && is_digit(peek(1))))
-      throw Refusal{"has a power that is no whole number; a root is written sqrt(...)"};
+      throw Refusal{"has a power that is not a whole number; a root is written sqrt(...)"};
     if (std::abs(exponent) > largest_exponent) throw Refusal{"has an exponent out of range"};
     Measure result{1.0L, base.dimension};
     for (int i = 0; i < std::abs(exponent); ++i) result.scale *= base.scale;
@@ -326,7 +326,7 @@ Parsed<std::int64_t> parse_time(std::string_view text) {
     return Result::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
   const std::optional<Measure> unit = find_measure(written->unit);
   if (!unit || unit->dimension != dimension(0, 1))
-    return Result::failure("unit " + in_quotes(written->unit) + " is no time; use ns, us, ms, s, min, h or day");
+    return Result::failure("unit " + in_quotes(written->unit) + " is not a time; use ns, us, ms, s, min, h or day");
   const long double nanoseconds = written->value * std::round(unit->scale * 1e9L);
   if (!written->fits || !(std::abs(nanoseconds) <= static_cast<long double>(internal::base::farthest_time)))
     return Result::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);

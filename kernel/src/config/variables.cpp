@@ -33,7 +33,7 @@ class Variables {
 
   void give(const std::string& name, const std::string& text, const Folder& folder) {
     if (!is_name(name) || !is_utf8(text))
-      return diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " does not read name=value");
+      return diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " is not name=value");
     const Member* declared = declared_.find(name);
     std::optional<Node> number;
     if (declared && declared->value.json.is_number()) number = read_json_value(text, command_line.file, folder);

@@ -171,7 +171,7 @@ Result Estimator::run_part(SampleRows& rows, const PartPlan& part, const SampleV
                             calls_.notes()};
   const Result result = calls_.during(part, "linearize", [&] { return part.model->linearize(in, out); });
   if (!result) return noted(result);
-  if (out.rows < 0) return Result::failed("the model says that it wrote a negative number of rows");
+  if (out.rows < 0) return Result::failed("the model reports a negative number of rows");
   if (out.rows > most) return Result::failed("the model wrote more rows than it declared");
   part_rows = out.rows;
   // What a model wrote beyond its rows is not the next part's.

@@ -39,7 +39,7 @@ std::string flaw_of_noise(ConstMatrixView R) {
       if (difference == 0 && (i < j || above >= 0)) continue;  // both finite
       if (!std::isfinite(above)) return element(i, j, above) + ", which is not finite";
       if (!std::isfinite(below)) return element(j, i, below) + ", which is not finite";
-      if (i == j) return element(i, i, above) + ", which is no variance";
+      if (i == j) return element(i, i, above) + ", which is not a variance";
       if (difference * difference > rounding * rounding * R(i, i) * R(j, j))
         return element(i, j, above) + " but " + element(j, i, below) + ", which is not symmetric";
     }

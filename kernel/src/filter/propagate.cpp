@@ -56,7 +56,7 @@ void Estimator::run_process(std::size_t index, const Step& step, std::span<const
   if (is_kept && process.kept == Kept::all) return;
   const Result result = run_model(index, step, samples, has_written ? Jacobians::none : Jacobians::wanted);
   if (!result)
-    throw Stop("process '" + process.name + "' cannot go on at " + time_text(step.t1) + ": " + result.reason);
+    throw Stop("process '" + process.name + "' cannot continue at " + time_text(step.t1) + ": " + result.reason);
 }
 
 /// x⁺ = Φ x of what is kept whole: the model's own product, to the bit.
@@ -125,7 +125,7 @@ void Estimator::check_noise(Time t) const {
       std::snprintf(value, sizeof value, "%.3g", variance);
       throw Stop(call_text(*process, process->van_loan_group >= 0 ? "linearized" : "propagate", t) + " gave '" +
                  block->name + "." + block->declaration().error[as_size(block->active[a])].name +
-                 "' the process noise " + value + ", which is no variance");
+                 "' the process noise " + value + ", which is not a variance");
     }
 }
 

@@ -126,7 +126,7 @@ bool Estimator::advance_point(int point, const Driving& now, const Step& step, s
     if (!is_finite(block.in(x_plus()))) {
       const auto& process = plan_.processes[as_size(block.process)];
       calls_.note_book.keep(process.type, process.pointer, "propagate", calls_.time(),
-                            "of a sigma point it gave what is not finite: the step took the Jacobians");
+                            "it gave a value that is not finite for a sigma point: the step used the Jacobians");
       return false;
     }
   std::copy_n(x_plus(), plan_.stored_size, sigma_->next.data() + as_size(point) * as_size(plan_.stored_size));
@@ -157,7 +157,7 @@ bool Estimator::perturb(int point) {
     calls_.during(block, "minus", [&] { block.block->minus(to, from, back); });
     back.as() -= delta.as();
     if (largest_of(back.data(), back.size()) <= share * std::sqrt(variance)) continue;
-    calls_.note("minus", "sigma points lie beyond its chart or below its resolution: the step took the Jacobians");
+    calls_.note("minus", "sigma points lie beyond its chart or below its resolution: the step used the Jacobians");
     return false;
   }
   return true;
@@ -169,7 +169,7 @@ bool Estimator::run_values(const Driving& now, const Step& step, std::span<const
   const auto is_refused = [&](const Result& result, const char* call) {
     if (result) return false;
     char text[sizeof KeptNote::text];
-    std::snprintf(text, sizeof text, "a sigma point was refused, the step took the Jacobians: %s", result.reason);
+    std::snprintf(text, sizeof text, "a sigma point was refused, so the step used the Jacobians: %s", result.reason);
     calls_.note(call, text);
     return true;
   };

@@ -99,7 +99,7 @@ std::vector<fs::path> folders_of_user(Diagnostics& diagnostics) {
   for (std::string folder; std::getline(list, folder, ':');) {
     if (folder.empty()) continue;
     if (fs::path(folder).is_relative())
-      warn("'" + folder + "' is not searched, for it would be another folder wherever this is started; write '" +
+      warn("'" + folder + "' is not searched, because its meaning depends on the working folder; write '" +
            fs::absolute(folder).lexically_normal().string() + "'");
     else if (fs::is_directory(folder, error))
       folders.emplace_back(folder);
@@ -150,8 +150,8 @@ void report_untrusted(const PluginPath& named, Diagnostics& diagnostics) {
   if (fs::is_directory(path, error) || plugin::examine_plugin(path, {}, found))
     diagnostics.error("B048", origin, pointer,
                       "'" + path.string() +
-                          "' is not loaded: a config may only name plugins that lie in a trusted folder "
-                          "or were built here; --allow-plugins loads it all the same");
+                          "' is not loaded: a config may only name plugins that lie in a trusted folder or were built "
+                          "here; --allow-plugins loads it");
   else
     diagnostics.merge(found);
 }
@@ -277,7 +277,7 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
     const std::string its_name = name_in(file);
     if (!plugin.empty() && !its_name.empty() && its_name != plugin) continue;
     may_be_there = true;
-    report("B047", unknown + in_quotes(file.string()) + " may have it, but is not loaded: " + why +
+    report("B047", unknown + in_quotes(file.string()) + " may contain it, but is not loaded: " + why +
                        (meant.empty() ? "" : "; " + meant));
   }
   if (may_be_there) return nullptr;

@@ -103,7 +103,7 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
                           const std::string& remedy) {
     if (mine != other) differences.push_back({name, mine, other, severity, remedy});
   };
-  differ("magic", hex(a.magic), hex(b.magic), refused, "this is no Binnacle plugin; remove the file");
+  differ("magic", hex(a.magic), hex(b.magic), refused, "this is not a Binnacle plugin; remove the file");
   if (!differences.empty()) return differences;
   differ("size of the guard", std::to_string(a.size), std::to_string(b.size), refused, rebuild);
   differ("API major", std::to_string(a.api_major), std::to_string(b.api_major), refused, rebuild);
@@ -139,7 +139,7 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   differ("EIGEN_MAX_ALIGN_BYTES", std::to_string(a.eigen_max_align), std::to_string(b.eigen_max_align), warned,
          "none needed; no owning Eigen object crosses");
   differ("compiler", text_of(a.compiler), text_of(b.compiler), warned,
-         "none needed; rebuild with one compiler if something is odd");
+         "none needed; rebuild with one compiler if results are unexpected");
   return differences;
 }
 

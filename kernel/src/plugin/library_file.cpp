@@ -29,7 +29,7 @@ constexpr std::size_t longest_list = std::size_t{1} << 20;
 struct Unreadable {
   std::string why;
 };
-constexpr const char* damaged = "it is damaged or cut short";
+constexpr const char* damaged = "it is damaged or truncated";
 
 /// All libraries of a folder are looked at by every start, so it reads little: the head, where the linker puts the dynamic
 /// tables of a small library, at once, and what lies elsewhere piece by piece.
@@ -85,13 +85,13 @@ Header read_header(const Reader& reader) {
   static const Header own = own_header();
   Header header{};
   if (!reader.read(0, &header, sizeof header))
-    throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)"};
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) throw Unreadable{"it is no shared library (not an ELF file)"};
+    throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is not a shared library (too short)"};
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) throw Unreadable{"it is not a shared library (not ELF)"};
   if (header.e_ident[EI_CLASS] != native_class || header.e_ident[EI_DATA] != own.e_ident[EI_DATA] ||
       header.e_machine != own.e_machine)
     throw Unreadable{"it is built for another machine"};
   if (header.e_type != ET_DYN || header.e_phentsize != sizeof(Segment) || header.e_shentsize != sizeof(Section))
-    throw Unreadable{"it is no shared library"};
+    throw Unreadable{"it is not a shared library"};
   return header;
 }
 

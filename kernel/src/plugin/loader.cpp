@@ -202,7 +202,7 @@ class PluginRegistry final : public Registry {
     for (const ComponentType& type : types_) {
       const ComponentSpec& spec = type.spec;
       const std::string who = "plugin '" + info_.name + "', component '" + spec.type + "': ";
-      if (!is_name(spec.type)) is_good = refuse(diagnostics_, info_, "B045", who + "its type is no name in snake_case");
+      if (!is_name(spec.type)) is_good = refuse(diagnostics_, info_, "B045", who + "its type is not in snake_case");
       for (const std::string& defect : spec::spec_defects(spec))
         is_good = refuse(diagnostics_, info_, "B045", who + defect);
       if (!seen.insert(spec.type).second)

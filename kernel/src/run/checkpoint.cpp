@@ -112,22 +112,22 @@ void Checkpointing::resume() {
   const auto from = options_.checkpoints.from;
   Head found;
   if (from.size() < sizeof found)
-    refuse("the checkpoint is torn, it has only " + std::to_string(from.size()) + " bytes");
+    refuse("the checkpoint is incomplete: it has only " + std::to_string(from.size()) + " bytes");
   std::memcpy(&found, from.data(), sizeof found);
   const auto payload = from.subspan(sizeof found);
   const Head own = head(payload.size());
-  if (std::memcmp(found.magic, own.magic, sizeof own.magic) != 0) refuse("this is no checkpoint");
+  if (std::memcmp(found.magic, own.magic, sizeof own.magic) != 0) refuse("this is not a checkpoint");
   if (std::memcmp(found.kind, own.kind, sizeof own.kind) != 0)
     refuse("the checkpoint was made on another kind of machine, " +
            std::string(found.kind, strnlen(found.kind, sizeof found.kind)) + ", and this is " + own.kind);
-  if (found.size != own.size || checksum_of(found, payload) != found.checksum) refuse("the checkpoint is torn");
+  if (found.size != own.size || checksum_of(found, payload) != found.checksum) refuse("the checkpoint is damaged");
   if (found.composition != own.composition)
-    refuse("the checkpoint is of another config, or of other plugins or another version of this program");
+    refuse("the checkpoint belongs to another config, other plugins or another version of this program");
   if (found.seed != own.seed || found.run != own.run)
-    refuse("the checkpoint is of seed " + std::to_string(found.seed) + ", run " + std::to_string(found.run) +
+    refuse("the checkpoint belongs to seed " + std::to_string(found.seed) + ", run " + std::to_string(found.run) +
            ", and this is seed " + std::to_string(own.seed) + ", run " + std::to_string(own.run));
   if (found.data != own.data) refuse("the data files are not those that the checkpoint was made with");
-  if (found.shown != own.shown) refuse("the checkpoint is of other options");
+  if (found.shown != own.shown) refuse("the checkpoint belongs to other options");
   restore(payload);
 }
 
@@ -141,8 +141,8 @@ void Checkpointing::restore(std::span<const std::byte> from) {
   }
   auto bytes = StateBytes::read(from);
   exchange(bytes);
-  if (!bytes.holds()) refuse("what it holds is damaged, or of other options");
-  if (bytes.size() != from.size()) refuse("the checkpoint is of other options");
+  if (!bytes.holds()) refuse("its content is damaged, or belongs to other options");
+  if (bytes.size() != from.size()) refuse("the checkpoint belongs to other options");
   for (const auto& [memory, as_started] : live) std::ranges::copy(as_started, memory);
 }
 

@@ -51,7 +51,7 @@ std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, 
   const std::string figure = number(reason.figure), limit = number(reason.limit);
   if (reason.doubt == Doubt::bridged)
     return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
-           limit + " s); what the vehicle did meanwhile is not known";
+           limit + " s); the motion of the vehicle in it is unknown";
   if (reason.doubt == Doubt::frozen && reason.measurement < 0)
     return "the input of '" + filter.name + "' repeats the same numbers for " + figure + " s from " + since(reason) +
            " on (limit " + limit + " s): the sensor hangs";
@@ -61,18 +61,18 @@ std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, 
                                  : "the last was refused because " + last_refusal);
   if (reason.doubt == Doubt::restarted)
     return "'" + filter.name + "' started anew " + times(reason) + ", first at " + since(reason) +
-           ": what it estimated before did not hold";
+           ": its earlier estimates were wrong";
   if (reason.doubt == Doubt::input_ended)
     return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
-           " s before the newest sample that it was given (limit " + limit + " s)";
+           " s before the newest sample (limit " + limit + " s)";
   if (reason.doubt == Doubt::stopped)
     return "'" + filter.name + "' stopped at " + since(reason) + ": the input has a hole of " + figure +
-           " s (longest_bridge " + limit + " s), and initial values for a new start did not come";
+           " s (longest_bridge " + limit + " s), and no initial values came after it";
   if (reason.doubt == Doubt::lagging)
-    return "live estimates of '" + filter.name + "' lagged " + figure + " s behind what had arrived, first at " +
+    return "live estimates of '" + filter.name + "' lagged " + figure + " s behind the arrivals, first at " +
            since(reason) + " (history " + limit + " s): the budget of steps is too small; late samples were not used";
   if (reason.doubt == Doubt::indefinite)
-    return "P of '" + filter.name + "' is no covariance, first at " + since(reason) + ": '" +
+    return "P of '" + filter.name + "' is not a covariance, first at " + since(reason) + ": '" +
            component_name(filter, static_cast<int>(reason.key)) + "' has " + figure +
            " of its variance left once other components are known (limit -" + limit +
            "), as of a correlation beyond one; \"covariance\": \"ud\" or \"square_root\" cannot become so by rounding";
@@ -103,20 +103,20 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
              " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
     case Doubt::recovered:
       return who + " had to be recovered " + times(reason) + ", first at " + since(reason) +
-             ": it was refused, or biased, for long";
+             ": it was refused or biased for a long time";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::frozen:
       return who + " repeats the same numbers: " + figure + " refused samples in a row from " + since(reason) +
              " on; the sensor hangs";
     case Doubt::silent:
-      return "no sample of " + who + " was of use for " + figure + " s from " + since(reason) + " on (limit " + limit +
-             " s), and what it sees became 3 times as uncertain or more";
+      return "no sample of " + who + " was usable for " + figure + " s from " + since(reason) + " on (limit " + limit +
+             " s), and the uncertainty of what it observes grew 3 times or more";
     case Doubt::unresolved:
       return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
-             "): \"covariance\": \"joseph\" has no digits for that, and sigmas after it are zero or wrong; \"ud\" "
-             "and " +
-             "\"square_root\" hold it";
+             "): \"covariance\": \"joseph\" has too few digits for this, so the sigmas after it are zero or wrong; "
+             "\"ud\" and " +
+             "\"square_root\" have enough";
     case Doubt::indefinite:
     case Doubt::bridged:
     case Doubt::unaided:

@@ -53,7 +53,7 @@ void Runtime::fetch(std::size_t index) {
         Diagnostic{Severity::error, code, plan_.document.origin(source.pointer), source.pointer,
                    "source '" + source.name + "' " + what + " (" + call_text(*source.type, call, previous) + ")"});
   };
-  if (status == SourceStatus::error) throw fault("B061", "cannot go on");
+  if (status == SourceStatus::error) throw fault("B061", "cannot continue");
   if (status == SourceStatus::wait) return;  // asked again at the next instant
   if (status != SourceStatus::sample) {
     head.status = 2;

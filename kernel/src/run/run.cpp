@@ -119,7 +119,7 @@ std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) 
   }
   if (wanted.empty()) return "no sample came";
   const std::string apart = last_begin > first_end ? "; the spans of the data do not overlap: " + spans : "";
-  if (silent.empty()) return "its initial values were never there together (channels: " + wanted + ")" + apart;
+  if (silent.empty()) return "its initial values were never available together (channels: " + wanted + ")" + apart;
   return "no sample ever came on " + silent + " (it needs " + wanted + ")" + (reason.empty() ? "" : ": " + reason) +
          apart;
 }
@@ -217,8 +217,8 @@ Parts parts_of(const compose::CompositionPlan& plan) {
 void exchange_sink(const compose::CompositionPlan& plan, const compose::SinkPlan& sink, StateBytes& bytes, Time t) {
   if (guard_call<DataError>(plan, sink, "exchange", t, [&] { return sink.object->exchange(bytes); })) return;
   throw ConfigError(Diagnostic{Severity::error, "B084", plan.document.key_origin(sink.pointer), sink.pointer,
-                               "there are no checkpoints with the sink '" + sink.name + "': its type '" +
-                                   sink.type->spec.type + "' does not say how it goes on from one"});
+                               "checkpoints are not possible with the sink '" + sink.name + "': its type '" +
+                                   sink.type->spec.type + "' does not support them"});
 }
 
 /// One run, from instant to instant.

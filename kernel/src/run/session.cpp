@@ -407,15 +407,15 @@ void Session::restore(std::span<const std::byte> from) {
   };
   if (from.size() < sizeof head) refuse("it is only " + std::to_string(from.size()) + " bytes long");
   std::memcpy(&head, from.data(), sizeof head);
-  if (std::memcmp(head.magic, own.magic, sizeof head.magic) != 0) refuse("these bytes are no snapshot");
+  if (std::memcmp(head.magic, own.magic, sizeof head.magic) != 0) refuse("these bytes are not a snapshot");
   if (head.composition != composition_->hash())
-    refuse("it was taken of another composition, or with other plugins or another version of this program");
+    refuse("it belongs to another composition, other plugins or another version of this program");
   const std::size_t least = runtime_->arena_size();
   if (head.size < least || from.size() != sizeof head + head.size ||
       (!runtime_->has_more_than_arena() && head.size != least))
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(sizeof head + head.size));
   if (checksum_of(head, from.subspan(sizeof head)) != head.checksum)
-    refuse("its checksum is not that of its bytes: it is damaged");
+    refuse("its checksum does not match: it is damaged");
   const auto exchange = [&](StateBytes bytes) {
     runtime_->exchange(bytes);
     return bytes;
@@ -431,7 +431,7 @@ void Session::restore(std::span<const std::byte> from) {
   const StateBytes bytes = exchange(StateBytes::read(from.subspan(sizeof head)));
   if (!bytes.holds() || bytes.size() != head.size) {
     exchange_all(StateBytes::read(before));
-    refuse("what it holds is damaged");
+    refuse("its content is damaged");
   }
   runtime_->restored();
   for (auto& taken : intake_) taken.newest = no_time;

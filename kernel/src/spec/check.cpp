@@ -179,7 +179,7 @@ struct Check {
     }
     at.warning("B111",
                name + " is " + written + (json().is_string() ? " (" + in_unit(value) + ")" : "") +
-                   ", which is hardly right: expected is " +
+                   ", which is implausible; expected: " +
                    (spec.least_plausible > 0 ? "between " + in_unit(spec.least_plausible) + " and " : "at most ") +
                    in_unit(spec.most_plausible) + "; " + hint);
   }
@@ -362,7 +362,7 @@ struct DefectSearch {
   void run() {
     std::set<std::string> ports;
     for (const PortSpec& port : component.ports)
-      unless(ports.insert(port.name).second, "port '" + port.name + "' stands twice");
+      unless(ports.insert(port.name).second, "port '" + port.name + "' appears twice");
     check_fields(component.fields);
     check_fields(component.driving_rates);
     for (const ChannelPort& input : component.inputs) check_fields(input.fields);
@@ -386,7 +386,7 @@ struct DefectSearch {
     std::set<std::string> names;
     for (const FieldSpec& field : fields) {
       const std::string who = "field '" + field.name + "'";
-      unless(names.insert(field.name).second, who + " stands twice");
+      unless(names.insert(field.name).second, who + " appears twice");
       check_unit(who, field.unit, takes_any_unit(field) ? "1" : field.unit);
     }
   }
@@ -405,7 +405,7 @@ struct DefectSearch {
     std::set<std::string> names;
     for (const ParameterSpec& spec : specs) {
       const std::string who = "parameter '" + spec.name + "'";
-      unless(!are_named || names.insert(spec.name).second, who + " stands twice");
+      unless(!are_named || names.insert(spec.name).second, who + " appears twice");
       unless(!are_named || !spec.name.empty(), who + " has no name");
       const bool has_element = spec.type == ParameterType::list || spec.type == ParameterType::map;
       unless(!has_element || spec.members.size() == 1, who + " needs one element spec");

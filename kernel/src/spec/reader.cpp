@@ -168,7 +168,7 @@ std::optional<When> Reader::when() const {
       return When{from_seconds(json.get<double>()), false};
     return refuse(json.dump() + " s is beyond " + base::farthest_text);
   }
-  if (!json.is_string()) return refuse(shown() + " is no time");
+  if (!json.is_string()) return refuse(shown() + " is not a time");
   std::string_view text = json.get_ref<const std::string&>();
   take(text, "");
   When when;
@@ -176,7 +176,7 @@ std::optional<When> Reader::when() const {
   if (when.from_start && text.empty()) return when;
   const bool is_negative = take(text, "-");
   if (!is_negative && !take(text, "+") && when.from_start)
-    return refuse(base::in_quotes(json.get<std::string>()) + " is no time");
+    return refuse(base::in_quotes(json.get<std::string>()) + " is not a time");
   const Parsed<std::int64_t> time = parse_time(text);
   if (!time) return refuse(time.error());
   when.time = is_negative ? -*time : *time;

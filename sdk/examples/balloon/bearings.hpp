@@ -56,7 +56,7 @@ class Bearings final : public binnacle::MeasurementModel {
       const double id = in.sample(i, id_), z = in.sample(i, bearing_);
       const int mark = row_of(landmarks, id);
       if (mark < 0 || !std::isfinite(z)) {
-        in.notes.leave("a bearing is no number, or to a landmark that is not listed: left out");
+        in.notes.leave("a bearing is not a number, or to a landmark that is not listed: left out");
         continue;
       }
       const Eigen::Vector2d d =

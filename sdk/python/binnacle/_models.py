@@ -44,7 +44,7 @@ def invalid(reason):
 
 
 def failed(reason):
-    """What propagate gives where the model cannot go on: the filter stops with this as its diagnosis."""
+    """What propagate gives where the model cannot continue: the filter stops with this as its diagnosis."""
     return Refusal("failed", reason)
 
 

@@ -89,7 +89,7 @@ class Verbs:
         return Tuning(_core.tune(self._loaded, *_streams(seed, run), _count(jobs, "jobs", 1) or 0))
 
     def observe(self, *windows: str, seed: int = 1, run: int = 0) -> Analysis:
-        """What the measurements of a run show of the state, and what not, as `binnacle observe` has it: an Analysis.
+        """Observability of a run: which states its measurements determine, as `binnacle observe` has it: an Analysis.
 
         windows: texts as --window takes them, "60:90" or the name of one; by default the whole run.
         """

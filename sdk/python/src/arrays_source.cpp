@@ -17,11 +17,11 @@ ParameterSpec column_spec() {
   return parameter::object(
       "field", {parameter::number("unit", "*")
                     .required()
-                    .about("unit of the numbers in the array: \"deg/s\", \"g\", \"m\", \"1\""),
+                    .about("unit of the numbers in the array, for example \"deg/s\", \"g\", \"m\", \"1\""),
                 parameter::choice("kind", {"level", "rate", "increment"})
                     .defaults("\"level\"")
-                    .about("level: at the sample's time; rate: mean over the interval that ends there; increment: "
-                           "integral over it"),
+                    .about("level: value at the sample's time; rate: mean over the interval that ends there; "
+                           "increment: integral over this interval"),
                 parameter::list("missing", parameter::text("value"))
                     .about("numbers that mean \"no data\": \"nan\", \"-9999\"; without it a NaN is an error")});
 }
@@ -45,7 +45,7 @@ void read_missing(const ParameterValue& list, const std::string& pointer, bool& 
     const char* const end = element.text.data() + element.text.size();
     const auto [rest, error] = std::from_chars(element.text.data(), end, number);
     if (error != std::errc() || rest != end)
-      throw ComponentError("'" + element.text + "' is no number, and an array holds nothing else",
+      throw ComponentError("'" + element.text + "' is not a number, and an array holds nothing else",
                            pointer + "/missing");
     may_be_nan |= std::isnan(number);
     if (!std::isnan(number)) numbers.push_back(number);
@@ -61,20 +61,18 @@ FieldKind kind_of(const std::string& text) {
 ComponentSpec ArraysSource::spec() {
   ComponentSpec spec;
   spec.type = "arrays";
-  spec.summary = "samples that a program in Python gave as arrays: load(…, data={\"imu\": (t, {\"wx\": …})})";
+  spec.summary = "samples from arrays of a Python program: load(…, data={\"imu\": (t, {\"wx\": …})})";
   spec.parameters = {
-      parameter::text("content").about(
-          "a digest of the arrays, by which they are found; data= of load() and parse() sets it"),
+      parameter::text("content").about("digest that identifies the arrays; data= of load() and parse() sets it"),
       parameter::map("columns", column_spec()).required().about("fields of the channel"),
       parameter::time("interval")
           .above(0)
-          .about("fixed length of the interval that a rate or increment belongs to; default: from time to time"),
-      parameter::time("max_gap").above(0).about("a longer step between times is reported and leaves the sample after "
-                                                "it without interval; default: for rates and "
-                                                "increments ten times the median step, else none"),
-      parameter::object("rows",
-                        {parameter::text("key").required().about("the field that tells the rows of a sample apart"),
-                         parameter::integer("max_rows").at_least(1).at_most(4096).defaults("64")})
+          .about("fixed length of the interval of a rate or increment; default: the time between samples"),
+      parameter::time("max_gap").above(0).about(
+          "longest step between times; a longer step is reported, and the sample after it has no interval; default: "
+          "ten times the median step for rates and increments, otherwise no limit"),
+      parameter::object("rows", {parameter::text("key").required().about("field that identifies the rows of a sample"),
+                                 parameter::integer("max_rows").at_least(1).at_most(4096).defaults("64")})
           .about("lines with the same time are the rows of one sample; every field is then per row")};
   return spec;
 }

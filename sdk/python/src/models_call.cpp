@@ -155,7 +155,7 @@ Numbers numbers_of(const py::handle& value, const std::string& what) {
   if (!value.is_none())
     if (const Numbers array = Numbers::ensure(value)) return array;
   PyErr_Clear();
-  throw py::type_error(what + " is " + py::repr(value).cast<std::string>() + ", which is no array of numbers");
+  throw py::type_error(what + " is " + py::repr(value).cast<std::string>() + ", which is not an array of numbers");
 }
 
 void copy_vector(const py::handle& value, const std::string& what, int size, double* to) {

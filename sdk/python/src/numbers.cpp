@@ -99,7 +99,7 @@ std::string Numbers::shape() const { return text_of(sizes_, dimensions_); }
 Room::Room(PyObject* object, std::size_t size) {
   if (PyObject_GetBuffer(object, &view_, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | PyBUF_WRITABLE) != 0) {
     PyErr_Clear();
-    throw py::type_error(std::string("out is no writable array of float64 in a row, but a ") +
+    throw py::type_error(std::string("out is not a writable array of float64 in a row, but a ") +
                          Py_TYPE(object)->tp_name);
   }
   if (is_double(view_) && view_.ndim == 1 && view_.shape[0] == static_cast<py::ssize_t>(size)) return;

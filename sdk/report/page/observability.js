@@ -23,7 +23,7 @@ function partsCell(path, parts) {
 }
 
 function weakTable(path, weak) {
-  if (!weak.length) return note('Every direction is seen: of each, the samples remove half of the variance or more.');
+  if (!weak.length) return note('Every direction is observed: the samples remove at least half of the variance of each.');
   const rows = weak.map((entry, i) => row(entry.name, shareCell(`${path}/${i}/removed`, entry.removed),
     shareCell(`${path}/${i}/removed_without_process_noise`, entry.removed_without_process_noise), partsCell(`${path}/${i}/parts`, entry.parts)));
   return table(['not seen', 'removed', 'without process noise', '1\u03c3 that is left, together'], rows, { left: [3] });

@@ -65,8 +65,7 @@ class Parser {
   Address standard() {
     const bool is_input = text_ == "stdin:";
     if (is_input != (direction_ == Direction::input))
-      refuse(is_input ? "nothing can be written there; did you mean 'stdout:'?"
-                      : "nothing can be read there; did you mean 'stdin:'?");
+      refuse(is_input ? "it is not writable; did you mean 'stdout:'?" : "it is not readable; did you mean 'stdin:'?");
     address_.kind = is_input ? Kind::standard_input : Kind::standard_output;
     return address_;
   }
@@ -107,9 +106,9 @@ class Parser {
       refuse("found '?" + std::string(query) + "'; the one option of serial:// is ?baud=NUMBER");
     const std::string_view rate = query.substr(5);
     if (!whole_number(rate, address_.baud) || !is_baud(address_.baud))
-      refuse("'" + std::string(rate) +
-             "' is no rate of a serial line; usual ones are 4800, 9600, 38400, 57600, 115200, "
-             "230400, 460800, 921600");
+      refuse(
+          "'" + std::string(rate) +
+          "' is not a rate of a serial line; usual ones are 4800, 9600, 38400, 57600, 115200, 230400, 460800, 921600");
     return address_;
   }
 
@@ -132,14 +131,14 @@ class Parser {
              ":PORT");
     const std::string_view port = rest_.substr(colon + 1);
     if (!whole_number(port, address_.port) || address_.port < 1 || address_.port > 65535)
-      refuse("'" + std::string(port) + "' is no port; a port is a number from 1 to 65535");
+      refuse("'" + std::string(port) + "' is not a port; a port is a number from 1 to 65535");
     std::string_view host = rest_.substr(0, colon);
     if (is_bracketed && host.ends_with(']'))
       host = host.substr(1, host.size() - 2);
     else if (host.find(':') != host.npos)
       refuse("an IPv6 address stands in brackets: '" + text_.substr(0, 6) + "[" + std::string(host) +
              "]:" + std::string(port) + "'");
-    if (host == "*") refuse("'*' is no host; all interfaces are 0.0.0.0, or [::]");
+    if (host == "*") refuse("'*' is not a host; all interfaces are 0.0.0.0, or [::]");
     address_.host = host.empty() ? "127.0.0.1" : host;
     return !host.empty();
   }

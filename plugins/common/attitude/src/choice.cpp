@@ -23,22 +23,25 @@ ParameterSpec choice_parameter() {
   using namespace parameter;
   auto samples = integer("samples").at_least(1).at_most(most_samples);
   samples.text =
-      "gyro samples of an update; must be 'samples_per_step'. Without it: one by one, however many a step has";
-  return object("attitude",
-                {std::move(samples),
-                 choice("form", {"coning", "polynomial"})
-                     .defaults("\"coning\"")
-                     .about("of 3 and 4 samples: best on a coning motion, or for polynomial rates"),
-                 boolean("previous")
-                     .defaults("true")
-                     .about("whether one sample alone takes from the one before it how the rates change"),
-                 choice("precision", {"double", "float"})
-                     .defaults("\"double\"")
-                     .about("in which rotation vector and quaternion are computed"),
-                 choice("truncation", {"exact", "power_2", "power_4", "power_5", "terms_2", "terms_4", "terms_5"})
-                     .defaults("\"exact\"")
-                     .about(
-                         "of the update quaternion's series: the highest power of the angle kept, or terms of each")})
+      "gyro samples per update, equal to 'samples_per_step'; default: one sample per update, for any number of samples "
+      "per step";
+  return object(
+             "attitude",
+             {std::move(samples),
+              choice("form", {"coning", "polynomial"})
+                  .defaults("\"coning\"")
+                  .about("coefficients for 3 and 4 samples: optimal for coning motion, or for polynomial rates"),
+              boolean("previous")
+                  .defaults("true")
+                  .about(
+                      "whether an update from one sample uses the previous sample to estimate the change of the rates"),
+              choice("precision", {"double", "float"})
+                  .defaults("\"double\"")
+                  .about("floating-point precision of the rotation vector and the quaternion"),
+              choice("truncation", {"exact", "power_2", "power_4", "power_5", "terms_2", "terms_4", "terms_5"})
+                  .defaults("\"exact\"")
+                  .about("truncation of the update quaternion's series: by the highest power of the angle, or by the "
+                         "number of terms of each series")})
       .defaults("{}")
       .about("algorithm of the attitude update");
 }

@@ -62,10 +62,10 @@ std::vector<ParameterSpec> UtcClock::parameters() {
   using namespace parameter;
   std::vector<ParameterSpec> specs;
   specs.push_back(integer("week").at_least(0).at_most(9999).about(
-      "channels count GPS time from the begin of this GPS week; 0: from 1980-01-06"));
-  specs.push_back(text("epoch").about(
-      "channels count seconds of UTC, without leap seconds, from this instant: \"2026-11-23T12:00:00Z\"; Unix time is "
-      "\"1970-01-01T00:00:00Z\""));
+      "GPS week at whose start the time of the channels is zero, in GPS time; 0: 1980-01-06"));
+  specs.push_back(
+      text("epoch").about("instant at which the time of the channels is zero, in seconds of UTC without leap seconds, "
+                          "for example \"2026-11-23T12:00:00Z\"; Unix time: \"1970-01-01T00:00:00Z\""));
   specs.push_back(integer("leap_seconds")
                       .at_least(0)
                       .at_most(100)
@@ -78,11 +78,12 @@ UtcClock::UtcClock(const Parameters& parameters) {
   if (parameters.has("week")) origin_ += parameters.integer("week") * 7 * day_length;
   if (parameters.has("leap_seconds")) leap_seconds_ = parameters.integer("leap_seconds") * second;
   if (!parameters.has("epoch")) return;
-  if (parameters.has("week")) throw ComponentError("there is 'week' too, and both say where time is zero", "/epoch");
+  if (parameters.has("week")) throw ComponentError("'week' is given too, and both give the origin of time", "/epoch");
   if (leap_seconds_) throw ComponentError("'epoch' is UTC, which needs none; they belong to 'week'", "/leap_seconds");
   const auto instant = parse_instant(parameters.text("epoch"));
   if (!instant)
-    throw ComponentError("'" + parameters.text("epoch") + "' is no instant of UTC; expected \"2026-11-23T12:00:00Z\"",
+    throw ComponentError("'" + parameters.text("epoch") +
+                             "' is not an instant of UTC; expected \"2026-11-23T12:00:00Z\"",
                          "/epoch");
   origin_ = *instant;
   is_gps_ = false;

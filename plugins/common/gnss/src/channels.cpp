@@ -21,7 +21,7 @@ constexpr Member members[] = {
     {"semi_major_axis", "m", &Ephemeris::semi_major_axis, "semi-major axis"},
     {"eccentricity", "1", &Ephemeris::eccentricity, "eccentricity"},
     {"i0", "rad", &Ephemeris::i0, "inclination at toe"},
-    {"omega0", "rad", &Ephemeris::omega0, "longitude of the ascending node at the begin of the week"},
+    {"omega0", "rad", &Ephemeris::omega0, "longitude of the ascending node at the start of the week"},
     {"perigee", "rad", &Ephemeris::perigee, "argument of perigee"},
     {"m0", "rad", &Ephemeris::m0, "mean anomaly at toe"},
     {"delta_n", "rad/s", &Ephemeris::delta_n, "correction of the mean motion"},
@@ -36,9 +36,9 @@ constexpr Member members[] = {
     {"af0", "s", &Ephemeris::af0, "clock offset"},
     {"af1", "1", &Ephemeris::af1, "clock drift, s/s"},
     {"af2", "1/s", &Ephemeris::af2, "clock ageing, s/s^2"},
-    {"group_delay", "s", &Ephemeris::group_delay, "T_GD, BGD, TGD1"},
-    {"accuracy", "m", &Ephemeris::accuracy, "URA, SISA"},
-    {"issue", "1", &Ephemeris::issue, "IODE, IODnav"},
+    {"group_delay", "s", &Ephemeris::group_delay, "group delay: T_GD, BGD, TGD1"},
+    {"accuracy", "m", &Ephemeris::accuracy, "accuracy: URA, SISA"},
+    {"issue", "1", &Ephemeris::issue, "issue of data: IODE, IODnav"},
 };
 static_assert(std::size(members) + 1 == ephemeris_field_count);
 
@@ -55,7 +55,7 @@ FieldSpec satellite_field() {
 
 std::vector<FieldSpec> observation_fields(bool rate_is_optional) {
   return {satellite_field(), row_field("pseudorange", "m", false, "measured pseudorange"),
-          row_field("range_rate", "m/s", rate_is_optional, "measured rate of the range, positive when it grows"),
+          row_field("range_rate", "m/s", rate_is_optional, "measured range rate, positive if the range grows"),
           row_field("cn0", "1", true, "carrier to noise density, dB-Hz")};
 }
 
@@ -105,9 +105,7 @@ const double* find_ephemeris(const SampleView& ephemerides, SatelliteKey satelli
   return nullptr;
 }
 
-ChannelPort ephemeris_port() {
-  return {"ephemeris", ephemeris_fields(), false, "broadcast orbits and clocks, the set to be used now"};
-}
+ChannelPort ephemeris_port() { return {"ephemeris", ephemeris_fields(), false, "current broadcast orbits and clocks"}; }
 
 ChannelPort klobuchar_port() {
   return {"iono", klobuchar_fields(), true, "broadcast ionosphere coefficients, for \"ionosphere\": \"klobuchar\""};

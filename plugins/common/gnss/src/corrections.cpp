@@ -46,32 +46,36 @@ std::vector<ParameterSpec> Corrections::parameters() {
   return {
       boolean("earth_rotation")
           .defaults("true")
-          .about("the earth turns while the signal travels (Sagnac); false: satellites stand in the axes of reception"),
-      boolean("satellite_clock").defaults("true").about("subtract the satellite's clock, relativity included"),
+          .about("true: correct for the rotation of the earth during the signal's travel (Sagnac); false: satellite "
+                 "positions are already in the axes of reception"),
+      boolean("satellite_clock").defaults("true").about("subtract the satellite's clock offset, including relativity"),
       boolean("group_delay")
           .defaults("true")
-          .about("subtract T_GD, BGD, TGD1 from the satellite's clock: one frequency"),
+          .about("subtract T_GD, BGD, TGD1 from the satellite's clock offset, for single-frequency pseudoranges"),
       choice("ionosphere", {"none", "klobuchar"})
           .defaults("\"none\"")
-          .about("klobuchar: by the broadcast coefficients of the channel on 'iono'"),
+          .about("model of the ionosphere; klobuchar: with the broadcast coefficients of the channel on 'iono'"),
       choice("troposphere", {"none", "saastamoinen"})
           .defaults("\"none\"")
-          .about("saastamoinen: standard atmosphere, 70 % relative humidity"),
+          .about("model of the troposphere; saastamoinen: standard atmosphere, 70 % relative humidity"),
       choice("troposphere_mapping", {"niell", "cosecant"})
           .defaults("\"niell\"")
-          .about("from the zenith to the line of sight; cosecant: 1/sin(elevation), 0.2 m too much at 10 deg"),
+          .about("mapping from the zenith to the line of sight; cosecant: 1/sin(elevation), 0.2 m too large at 10 deg"),
       number("day_of_year", "1")
           .at_least(1)
           .below(367)
-          .about("1: the first of January; the season of mapping niell. Default: its mean over the year"),
+          .about("day of the year for the mapping niell, 1: the first of January; default: its mean over the year"),
       number("elevation_mask", "rad")
           .at_least(0)
           .below(M_PI / 2)
           .defaults("\"10 deg\"")
-          .about("satellites below it are not used"),
-      number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
+          .about("elevation below which satellites are not used"),
+      number("cn0_mask", "1")
+          .at_least(0)
+          .defaults("0")
+          .about("C/N0 below which signals are not used, if the channel gives it, dB-Hz"),
       list("exclude", text("satellite"))
-          .about("satellites that are not used: \"G05\", \"E11\", \"C19\", or the key of a row: \"4301\""),
+          .about("satellites that are not used, for example \"G05\", \"E11\", \"C19\", or the key of a row, \"4301\""),
   };
 }
 
@@ -98,9 +102,8 @@ Corrections::Corrections(const Binding& binding) {
     const auto key = excluded_key(names[i].text);
     if (!key)
       throw ComponentError("'" + names[i].text +
-                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the key "
-                               "of a row with three "
-                               "digits or more, \"4301\"",
+                               "' is not a satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the "
+                               "key of a row with three digits or more, \"4301\"",
                            "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }

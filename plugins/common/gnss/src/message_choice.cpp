@@ -76,14 +76,13 @@ std::vector<Time> turning_points(const std::vector<BroadcastMessage>& messages, 
 std::vector<ParameterSpec> ChoiceRules::parameters() {
   return {parameter::choice("choose", {"upload", "nearest_toe"})
               .defaults("\"upload\"")
-              .about(
-                  "which message is used: the latest transmitted, as a receiver has it; the one of nearest reference "
-                  "time, which may not have been transmitted yet"),
+              .about("selection of the message: the latest transmitted, as in a receiver, or the one with the nearest "
+                     "reference time, which may not have been transmitted yet"),
           parameter::time("max_age").above(0).at_most(604800).defaults("\"2 h\"").about(
-              "longest time between now and a message's reference time"),
+              "longest time between an epoch and a message's reference time"),
           parameter::boolean("unhealthy")
               .defaults("false")
-              .about("use satellites whose message says that they are not healthy")};
+              .about("true: use satellites whose message marks them as unhealthy")};
 }
 
 ChoiceRules ChoiceRules::of(const Parameters& parameters) {

@@ -14,7 +14,7 @@ ParameterSpec Signals::parameter() {
                             text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none"),
                             text("beidou").defaults("\"\"").about("BeiDou: B1I is 2I, in RINEX 3.02 1I; \"\": none")})
       .defaults("{}")
-      .about("the signal that is taken of each constellation, by the code of its observations");
+      .about("signal used of each constellation, by its observation code");
 }
 
 Signals Signals::of(const Parameters& parameters) {

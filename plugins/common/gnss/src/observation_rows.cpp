@@ -35,19 +35,19 @@ void bind_vector(const Binding& binding, const char* const (&names)[3], RowField
 
 std::vector<FieldSpec> given_fields() {
   return {
-      optional("system", "1", "satellite system, by the source's own number"),
-      optional("satellite_x", "m", "ECEF position of the satellite when it sent, instead of an ephemeris"),
-      optional("satellite_y", "m", "of it"),
-      optional("satellite_z", "m", "of it"),
-      optional("satellite_vx", "m/s", "its velocity, relative to the earth, in the same axes"),
-      optional("satellite_vy", "m/s", "of it"),
-      optional("satellite_vz", "m/s", "of it"),
-      optional("satellite_clock", "s", "satellite time - system time, where the pseudorange still has it"),
-      optional("satellite_clock_drift", "1", "its rate, where the range rate still has it, s/s"),
-      optional("pseudorange_sigma", "m", "standard deviation of the pseudorange; it wins over the parameters"),
-      optional("pseudorange_variance", "m^2", "instead of pseudorange_sigma"),
-      optional("range_rate_sigma", "m/s", "standard deviation of the range rate; it wins over the parameters"),
-      optional("range_rate_variance", "m^2/s^2", "instead of range_rate_sigma"),
+      optional("system", "1", "satellite system, as numbered by the source"),
+      optional("satellite_x", "m", "ECEF position x of the satellite at transmission, instead of an ephemeris"),
+      optional("satellite_y", "m", "ECEF position y of the satellite"),
+      optional("satellite_z", "m", "ECEF position z of the satellite"),
+      optional("satellite_vx", "m/s", "ECEF velocity x of the satellite, relative to the earth"),
+      optional("satellite_vy", "m/s", "ECEF velocity y of the satellite"),
+      optional("satellite_vz", "m/s", "ECEF velocity z of the satellite"),
+      optional("satellite_clock", "s", "satellite time minus system time, if the pseudorange contains it"),
+      optional("satellite_clock_drift", "1", "rate of the satellite clock offset, if the range rate contains it, s/s"),
+      optional("pseudorange_sigma", "m", "standard deviation of the pseudorange; overrides the parameters"),
+      optional("pseudorange_variance", "m^2", "variance of the pseudorange, instead of pseudorange_sigma"),
+      optional("range_rate_sigma", "m/s", "standard deviation of the range rate; overrides the parameters"),
+      optional("range_rate_variance", "m^2/s^2", "variance of the range rate, instead of range_rate_sigma"),
   };
 }
 

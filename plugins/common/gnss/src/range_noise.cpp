@@ -23,37 +23,36 @@ std::vector<ParameterSpec> RangeNoise::parameters(Of of, const char* default_sig
           .at_least(0)
           .plausible(least, most)
           .defaults(default_sigma)
-          .about("standard deviation straight up: sigma^2 + (sigma_elevation / sin el)^2 + …"),
+          .about("constant part of the standard deviation; the variance is sigma^2 + (sigma_elevation / sin el)^2 + …"),
       number("sigma_elevation", unit)
           .at_least(0)
           .plausible(least, most)
           .defaults("0")
-          .about("part of it that grows with 1 / sin(elevation)"),
+          .about("part of the standard deviation that grows with 1 / sin(elevation)"),
       number("sigma_cn0", unit)
           .at_least(0)
           .plausible(least, most)
           .defaults("0")
-          .about("part of it that grows as C/N0 falls: sigma_cn0^2 10^((cn0_reference - C/N0) / 10)"),
+          .about("part of the standard deviation that grows as C/N0 falls: variance sigma_cn0^2 10^((cn0_reference - "
+                 "C/N0) / 10)"),
       number("cn0_reference", "1")
           .at_least(0)
           .at_most(70)
           .defaults("45")
-          .about("dB-Hz; the C/N0 at which that part is sigma_cn0"),
-      object("cn0_weight", {number("s1", "1").defaults("50").about("dB-Hz; from it on the factor is 1"),
-                            number("s0", "1").defaults("10").about("dB-Hz; at it the factor is A"),
-                            number("a", "1").above(0).defaults("30").about("dB-Hz; how fast it bends"),
+          .about("C/N0 at which that part is sigma_cn0, dB-Hz"),
+      object("cn0_weight", {number("s1", "1").defaults("50").about("C/N0 above which the factor is 1, dB-Hz"),
+                            number("s0", "1").defaults("10").about("C/N0 at which the factor is A, dB-Hz"),
+                            number("a", "1").above(0).defaults("30").about("curvature of the factor over C/N0, dB-Hz"),
                             number("A", "1").above(0).defaults("30").about("factor at s0")})
-          .about("a factor by C/N0 on sigma^2 and (sigma_elevation / sin el)^2: goGPS")};
+          .about("factor on sigma^2 and (sigma_elevation / sin el)^2 that depends on C/N0, as in goGPS")};
   if (of == Of::pseudorange) {
-    specs.push_back(
-        number("sigma_ionosphere", "1")
-            .at_least(0)
-            .defaults("0")
-            .about("standard deviation of the ionosphere correction as a part of it; Klobuchar's leaves half"));
-    specs.push_back(number("sigma_accuracy", "1")
+    specs.push_back(number("sigma_ionosphere", "1")
                         .at_least(0)
                         .defaults("0")
-                        .about("factor on the accuracy that the message gives (URA, SISA)"));
+                        .about("standard deviation of the ionosphere correction, relative to the correction; about "
+                               "half remains after Klobuchar's model"));
+    specs.push_back(
+        number("sigma_accuracy", "1").at_least(0).defaults("0").about("factor on the broadcast accuracy (URA, SISA)"));
   }
   return specs;
 }

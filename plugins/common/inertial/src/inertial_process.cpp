@@ -31,7 +31,7 @@ constexpr std::array place_names = {"position",   "velocity",   "attitude",   "g
 
 constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
 constexpr const char* near_pole =
-    "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
+    "north-east-down axes are not defined at a pole, and the position is within 64 m of one";
 
 /// Where the blocks of the error model stand. Those whose least order is the second vanish in a first-order transition.
 struct TransitionPlace {
@@ -149,29 +149,29 @@ void InertialProcess::describe(ComponentSpec& spec) {
           .about("velocity random walk per body axis, root of the power spectral density"),
       parameter::choice("order", {"first", "second"})
           .defaults("\"second\"")
-          .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
+          .about("order of the transition matrix over a step: first: I + F dt; second: with F^2 dt^2/2; the same order "
+                 "for Q"),
       attitude::choice_parameter(),
-      parameter::object(
-          "bridge",
-          {parameter::number("acceleration", "m/s^2")
-               .defaults("\"1 m/s^2\"")
-               .at_least(0)
-               .about("over ground, per axis, and"),
-           parameter::vector("rate", "rad/s", 3)
-               .defaults("\"5 deg/s\"")
-               .at_least(0)
-               .about("per body axis: 1-sigma of what the vehicle may have done in a hole of the input beside "
-                      "what it did just before or after it")})
+      parameter::object("bridge", {parameter::number("acceleration", "m/s^2")
+                                       .defaults("\"1 m/s^2\"")
+                                       .at_least(0)
+                                       .about("unknown acceleration over ground during the hole, 1-sigma per axis"),
+                                   parameter::vector("rate", "rad/s", 3)
+                                       .defaults("\"5 deg/s\"")
+                                       .at_least(0)
+                                       .about("unknown angular rate during the hole, 1-sigma per body axis, besides "
+                                              "the rates just before and after it")})
           .defaults("{}")
-          .about("noise of a step that bridges a hole"),
+          .about("additional noise of a step that bridges a hole in the input"),
   };
-  spec.ports = {advances("position", "position").about("of the inertial sensor"),
-                advances("velocity", "velocity.ned").about("of the inertial sensor over ground"),
-                advances("attitude", "attitude").about("of the sensor's (body) axes"),
-                reads("gyro_bias", "vector:3:rad/s").optional().about("measured = (1 + scale) true + bias"),
-                reads("accel_bias", "vector:3:m/s^2").optional().about("measured = (1 + scale) true + bias"),
-                reads("gyro_scale", "vector:3:1").optional().about("scale factor error of the gyros"),
-                reads("accel_scale", "vector:3:1").optional().about("scale factor error of the accelerometers")};
+  spec.ports = {
+      advances("position", "position").about("position of the inertial sensor"),
+      advances("velocity", "velocity.ned").about("velocity of the inertial sensor over ground"),
+      advances("attitude", "attitude").about("attitude of the sensor's (body) axes"),
+      reads("gyro_bias", "vector:3:rad/s").optional().about("gyro bias: measured = (1 + scale) true + bias"),
+      reads("accel_bias", "vector:3:m/s^2").optional().about("accelerometer bias: measured = (1 + scale) true + bias"),
+      reads("gyro_scale", "vector:3:1").optional().about("scale factor error of the gyros"),
+      reads("accel_scale", "vector:3:1").optional().about("scale factor error of the accelerometers")};
   for (const char* axis : {"x", "y", "z"})
     spec.fields.push_back(increment_field(std::string("w") + axis, "rad",
                                           "integral of the angular rate with respect to inertial space, body axes"));

@@ -64,13 +64,13 @@ std::vector<ParameterSpec> Bytes::parameters(const std::string& unit) {
               "serial:///dev/ttyUSB0?baud=115200"),
           parameter::choice("stamp", {"data", "arrival"})
               .defaults("\"data\"")
-              .about("data: a sample has the time that it carries; arrival: that of the machine's monotonic clock when "
-                     "it came"),
+              .about("data: a sample has the time in its data; arrival: the time of its arrival on the machine's "
+                     "monotonic clock"),
           parameter::time("silence").above(0).defaults("\"5 s\"").about(
-              "when nothing came for so long, a warning says so"),
+              "time without data after which a warning is reported"),
           parameter::choice("on_error", {"skip", "stop"})
               .defaults("\"skip\"")
-              .about("skip: " + unit + " that is no good is left out, counted and reported; stop: it ends the run")};
+              .about("skip: " + unit + " that is invalid is skipped, counted and reported; stop: it ends the run")};
 }
 
 Bytes::Bytes(const Parameters& parameters, bool ends_lines)
@@ -125,7 +125,7 @@ void Bytes::watch_losses(int line) {
   const auto lost = intake_->endpoint.lost();
   if (lost < intake_->losses_told_next) return;
   while (intake_->losses_told_next <= lost) intake_->losses_told_next *= 10;
-  warn(std::to_string(lost) + " datagrams so far came faster than the filter works, and were lost", "B065", line);
+  warn(std::to_string(lost) + " datagrams so far came faster than the filter runs and were lost", "B065", line);
 }
 
 void Bytes::watch_silence(bool came, int line) {

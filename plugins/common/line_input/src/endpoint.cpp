@@ -62,7 +62,7 @@ void Endpoint::open_file() {
 void Endpoint::open_serial() {
   file_ = address::open_serial(address_);
   if (file_ || was_lost_) return;
-  fail(errno == ENOTTY ? "is no serial port" : std::string("cannot be opened: ") + std::strerror(errno));
+  fail(errno == ENOTTY ? "is not a serial port" : std::string("cannot be opened: ") + std::strerror(errno));
 }
 
 void Endpoint::open_udp() {

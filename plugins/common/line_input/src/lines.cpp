@@ -61,8 +61,8 @@ Lines::Got Lines::next(std::string_view& line) {
 void Lines::begin_anew(bool is_lost) {
   if (!buffer_.empty()) complain("the connection was lost in the middle of it");
   buffer_.clear();
-  bytes_.warn(is_lost ? "nobody is there, or the connection was lost; it is tried again each second"
-                      : "the connection is there again",
+  bytes_.warn(is_lost ? "there is no connection, or it was lost; the program tries again every second"
+                      : "the connection is restored",
               "B067", line_);
 }
 
@@ -83,8 +83,8 @@ bool Lines::take_line(std::string_view& line) {
 
 void Lines::complain(const std::string& why, const char* code) {
   ++unusable_;
-  if (bytes_.stops()) throw ComponentError::in_data("the line is no good: " + why, bytes_.from(), line_, code);
-  note("a line is no good: " + why, code);
+  if (bytes_.stops()) throw ComponentError::in_data("the line is invalid: " + why, bytes_.from(), line_, code);
+  note("a line is invalid: " + why, code);
 }
 
 }  // namespace binnacle::line_input

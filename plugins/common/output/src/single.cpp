@@ -108,7 +108,7 @@ class Single final : public Destination {
 
   void conclude() override {
     if (connection_.unsent() == 0) return;
-    std::string why = ": it was read too slowly; a file loses nothing, and a larger 'buffer' less";
+    std::string why = ": the receiver was too slow; use a larger 'buffer', or a file, which loses no lines";
     if (interruptions_ > 0) {
       why = ": " + first_fault_;
       if (interruptions_ > 1) why += ", the first of " + std::to_string(interruptions_) + " faults";
@@ -122,7 +122,7 @@ class Single final : public Destination {
   void wait_for(int descriptor) const {
     pollfd writable{descriptor, POLLOUT, 0};
     if (::poll(&writable, 1, static_cast<int>(std::chrono::milliseconds(longest_connect).count())) == 0)
-      throw std::runtime_error("cannot connect: nobody answers");
+      throw std::runtime_error("cannot connect: no answer");
     if (const auto fault = address::connect_fault(descriptor); !fault.empty()) throw std::runtime_error(fault);
   }
 
@@ -143,10 +143,10 @@ class Single final : public Destination {
     if (was_connecting) return;
     if (interruptions_++ > 0) return;
     first_fault_ = fault;
-    warn_("B146",
-          fault + (is_tried_again() ? "; it is tried again each second, and what does not fit the buffer is lost"
-                   : address_.kind == Kind::udp ? "; lines are lost until somebody receives them"
-                                                : "; what follows is lost"));
+    warn_("B146", fault + (is_tried_again()
+                               ? "; the program tries again every second, and lines that do not fit the buffer are lost"
+                           : address_.kind == Kind::udp ? "; lines are lost until a receiver connects"
+                                                        : "; all further lines are lost"));
   }
 
   Address address_;

@@ -41,9 +41,8 @@ std::vector<ParameterSpec> TextOutput::parameters() {
                                              "loopback), tcp://HOST:PORT?server (a server "
                                              "there), udp://HOST:PORT, serial:///dev/NAME?baud=115200"));
   specs.push_back(parameter::integer("buffer").at_least(1024).at_most(1 << 30).defaults("1048576").about(
-      "bytes that wait for a receiver that is slow; beyond them its oldest lines are lost, and counted. Of a serial "
-      "line at most "
-      "what it carries in a second"));
+      "buffer in bytes for a slow receiver; beyond it the oldest lines are lost and counted; for a serial line, at "
+      "most the bytes of one second"));
   return specs;
 }
 
@@ -75,7 +74,7 @@ bool TextOutput::open_file() {
   file_ = Descriptor(::open(address_.path.c_str(), O_WRONLY | O_CREAT | O_NONBLOCK | O_CLOEXEC | O_NOCTTY, 0666));
   if (!file_)
     throw ComponentError("'" + address_.path + "' cannot be opened: " + std::strerror(errno) +
-                             (errno == ENXIO ? "; nobody reads this pipe" : ""),
+                             (errno == ENXIO ? "; this pipe has no reader" : ""),
                          "/to");
   is_old_ = is_regular(file_.get());
   if (is_old_) return true;
@@ -102,7 +101,7 @@ void TextOutput::exchange(StateBytes& bytes) {
   const auto refuse = [&](const std::string& why) { throw ComponentError::in_data(why, address_.path, 0, "B084"); };
   struct stat status {};
   if (::fstat(file_.get(), &status) != 0 || status.st_size < position)
-    refuse("is shorter than at the checkpoint, so the run cannot go on in it");
+    refuse("is shorter than at the checkpoint, so the run cannot continue in it");
   if (::ftruncate(file_.get(), position) != 0 || ::lseek(file_.get(), position, SEEK_SET) != position)
     refuse(std::string("cannot be cut back to the checkpoint: ") + std::strerror(errno));
 }
@@ -134,7 +133,7 @@ void TextOutput::write_file(std::string_view line) {
 void TextOutput::close() {
   if (file_) {
     empty_file();
-    if (lost_ > 0) warn("B145", loss_text(lost_, lines_) + ": the file could not take them");
+    if (lost_ > 0) warn("B145", loss_text(lost_, lines_) + ": they could not be written to the file");
     file_.reset();
   }
   if (!worker_) return;

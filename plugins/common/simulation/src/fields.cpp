@@ -17,7 +17,7 @@ Triad triad(const std::string& prefix, const std::string& unit, const std::strin
 
 Triad position_fields() {
   return {level("lat", "rad", "geodetic latitude, WGS-84"), level("lon", "rad", "longitude, east positive"),
-          level("height", "m", "above the ellipsoid")};
+          level("height", "m", "height above the ellipsoid")};
 }
 
 Triad velocity_fields() {
@@ -26,7 +26,7 @@ Triad velocity_fields() {
 }
 
 Triad attitude_fields() {
-  return {level("roll", "rad", "right side down positive"), level("pitch", "rad", "nose up positive"),
+  return {level("roll", "rad", "roll, right side down positive"), level("pitch", "rad", "pitch, nose up positive"),
           level("yaw", "rad", "heading of body x, from north to east")};
 }
 

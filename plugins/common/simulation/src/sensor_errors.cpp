@@ -73,20 +73,20 @@ std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::st
       vector("bias", unit, 3)
           .at_least(0)
           .defaults(defaults.bias)
-          .about("standard deviation of the bias that is drawn once a run, per body axis"),
+          .about("standard deviation of the bias, drawn once per run, per body axis"),
       vector("bias_instability", unit, 3)
           .at_least(0)
           .defaults(defaults.instability)
-          .about("standard deviation of the wandering bias, a first-order Gauss-Markov process"),
-      time("tau").above(0).defaults(defaults.tau).about("correlation time of the wandering bias"),
+          .about("standard deviation of the time-varying bias, a first-order Gauss-Markov process"),
+      time("tau").above(0).defaults(defaults.tau).about("correlation time of the time-varying bias"),
       vector("noise", noise_unit, 3)
           .at_least(0)
           .defaults(defaults.noise)
-          .about("density of the white noise: the random walk of its integral"),
+          .about("root of the power spectral density of the white noise, the random walk of its integral"),
       vector("scale", "1", 3)
           .at_least(0)
           .defaults(defaults.scale)
-          .about("standard deviation of the scale factor error that is drawn once a run"),
+          .about("standard deviation of the scale factor error, drawn once per run"),
   };
 }
 

@@ -56,8 +56,7 @@ std::FILE* open_file(const std::string& path) {
   if (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) return ::fdopen(file, "rb");
   ::close(file);
   throw FileFault(
-      "is no regular file: write what it gives into one first, or read it as it comes, by a source with \"from\"",
-      "B060");
+      "is not a regular file: copy its contents to a file first, or read it live, by a source with \"from\"", "B060");
 }
 
 }  // namespace

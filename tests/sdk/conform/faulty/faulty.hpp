@@ -90,7 +90,7 @@ class Measurement : public MeasurementModel {
   /// The range from the beacon, (dx, dy) away.
   Result see(double dx, double dy, double measured, MeasurementOutput& out) const {
     const double distance = std::hypot(dx, dy);
-    if (!std::isfinite(measured)) return Result::invalid("the range is no number");
+    if (!std::isfinite(measured)) return Result::invalid("the range is not a number");
     out.rows = 1;
     out.residual[0] = measured - distance;
     if (const auto H = out.H[p]) {
