@@ -276,6 +276,12 @@ constexpr CodeEntry entries[] = {
      "sigmas after the update are zero or wrong.",
      "Set `\"covariance\"` of the filter to `\"ud\"` or `\"square_root\"`, which hold it; or give a sigma at the start "
      "that is nearer to what is known."},
+    {"B128", "innovations smaller than their noise",
+     "The mean NIS of a measurement over a run is less than half of what is expected. The verdict stays as it is, "
+     "since sigmas that are too large take accuracy, and claim none.",
+     "Reduce the standard deviations, or the process noise, as the note says. Errors that persist, as those of a "
+     "receiver "
+     "do, have small innovations too: then leave it, or model them as a state. `except` of `trust` silences the note."},
     {"B130", "adaptive noise in tuning",
      "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
      "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},
