@@ -18,7 +18,7 @@ constexpr std::int64_t enough = 50;  // samples, as many as a window of the verd
 constexpr double material = 0.5;     // mean NIS over what is expected: 0.71 of the standard deviations
 constexpr double rare = -4.75;       // normal score of a probability of 1e-6
 // Correlation of innovations with those before them. Noise that is specified up to ten times too large leaves them white
-// (0.27 in the quickstart); errors that persist do not (0.39 at least in the recorded drives).
+// (0.27 in the quickstart); errors that persist do not (0.37 at least in configs/drives and configs/land).
 constexpr double persisting = 0.3;
 constexpr double alternating = -0.2;
 

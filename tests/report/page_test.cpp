@@ -266,7 +266,7 @@ TEST_CASE("binnacle run --smooth --out: a table has the errors and NEES of filte
   if (!chromium) return;
   chromium->open(folder.path() / "out/report.html");
   const auto cells = [&](const std::string& table, const std::string& name) {
-    return chromium->value_of("[...[...document.querySelectorAll('#filter-and-smoothed .table')][" + table +
+    return chromium->value_of("[...[...[...document.querySelectorAll('#filter-and-smoothed .table')][" + table +
                               "].querySelectorAll('tbody tr')].find((e) => e.firstChild.textContent === '" + name +
                               "').querySelectorAll('td')].map((e) => e.dataset.value || e.textContent)");
   };
