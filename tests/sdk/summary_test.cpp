@@ -119,13 +119,14 @@ TEST_CASE("no note is made of what trust excepts, nor of innovations as large as
 
 TEST_CASE("a filter that starts late says since when there are estimates, and what it waited for") {
   const Workbench bench;
-  bench.write("truth.csv", "t,place\n2.5,0.2\n3.5,0.3\n");
+  bench.write("fix.csv", "t,place\n1,0.1\n2,0.2\n3,0.15\n4,0.3\n5,0.25\n");
+  bench.write("truth.csv", "t,place\n3.5,0.2\n4.5,0.3\n");
   std::vector<std::string> arguments{"run", "good.json"};
   const auto text = [&] { return binnacle::test::binnacle(bench, arguments).out; };
   CHECK_FALSE(has(text(), "first estimate"));
   arguments.insert(arguments.end(), {"--set", R"(/filters/walk/blocks/place/init={"channel": "truth"})"});
   INFO(text());
-  CHECK(has(text(), "\n  first estimate at 2.500 s, 2.5 s after the data begin: it waited for truth\n"));
+  CHECK(has(text(), "\n  first estimate at 3.500 s, 2.5 s after the data begin: it waited for truth\n"));
   arguments.push_back("--json");
   const auto walk = nlohmann::json::parse(text()).at("filters").at("walk");
   CHECK(walk.at("waited") == nlohmann::json({{"seconds", 2.5}, {"for", {"truth"}}}));
