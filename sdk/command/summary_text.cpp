@@ -265,9 +265,19 @@ std::string unscored_table(const Json& unscored) {
   return "\n" + table.text();
 }
 
-std::string notes_text(const Json& notes) {
+/// What the verdict says besides.
+Json notes_of(const Json& verdict) {
+  const auto found = verdict.find("notes");
+  return found == verdict.end() ? Json::array() : *found;
+}
+
+std::string notes_text(const Json& filter) {
   std::string text;
-  for (const auto& note : notes) text += fmt::format("  note: {}\n", note.get<std::string>());
+  if (filter.contains("notes"))
+    for (const auto& note : filter.at("notes")) text += fmt::format("  note: {}\n", note.get<std::string>());
+  if (filter.contains("verdict"))
+    for (const auto& note : notes_of(filter.at("verdict")))
+      text += fmt::format("  note: {} {}\n", note.at("code").get<std::string>(), note.at("text").get<std::string>());
   return text;
 }
 
@@ -294,6 +304,16 @@ std::string smoother_text(const Json& smoother) {
   return text;
 }
 
+/// Before its start a filter has no estimate, and neither has its smoother.
+std::string wait_text(const Json& filter) {
+  if (!filter.contains("waited")) return "";
+  const Json& waited = filter.at("waited");
+  return fmt::format("  first estimate at {:.3f} s, {:.1f} s after the data begin: it waited for {}\n",
+                     number_at(filter, "start_s"), number_at(waited, "seconds"),
+                     names_at(waited, "for").empty() ? "its driving input"
+                                                     : fmt::format("{}", fmt::join(names_at(waited, "for"), ", ")));
+}
+
 std::string heading(const std::string& name, const Json& filter) {
   if (filter.contains("smoother")) {
     const auto& smoother = filter.at("smoother");
@@ -312,7 +332,7 @@ std::string heading(const std::string& name, const Json& filter) {
   if (filter.contains("longest_lag_s"))
     text += fmt::format(", live estimates up to {:.3g} s behind", number_at(filter, "longest_lag_s"));
   if (filter.contains("input_gaps")) text += fmt::format(", {} gaps in its input", count_at(filter, "input_gaps"));
-  return text + (filter.contains("broken") ? "; BROKEN\n" : "\n");
+  return text + (filter.contains("broken") ? "; BROKEN\n" : "\n") + wait_text(filter);
 }
 
 std::string filter_text(const std::string& name, const Json& filter, const FilterInfo& info) {
@@ -328,7 +348,7 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
   if (!filter.contains("measurements")) return text;  // of a smoothed filter: they are the filter's
   text += measurement_table(filter.at("measurements"));
-  if (filter.contains("notes")) text += notes_text(filter.at("notes"));
+  text += notes_text(filter);
   return text + innovation_table(filter.at("measurements"));
 }
 
@@ -360,12 +380,17 @@ std::string live_text(const Json& live) {
   return text + fmt::format("  {:.0f} samples in {}\n\n", samples, duration(seconds));
 }
 
-/// "ok", or "ok (not watched: zupt)".
+/// "ok", or "ok (not watched: zupt; conservative: fix)".
 std::string verdict_text(const Json& verdict) {
-  std::string text = verdict.at("state").get<std::string>();
+  Names besides;
   if (const auto unwatched = verdict.find("unwatched"); unwatched != verdict.end())
-    text += fmt::format(" (not watched: {})", fmt::join(unwatched->get<Names>(), ", "));
-  return text;
+    besides.push_back(fmt::format("not watched: {}", fmt::join(unwatched->get<Names>(), ", ")));
+  Names conservative;
+  for (const auto& note : notes_of(verdict))  // where errors persist, the filter may be right
+    if (note.at("likely") != "persisting_errors") conservative.push_back(note.at("measurement").get<std::string>());
+  if (!conservative.empty()) besides.push_back(fmt::format("conservative: {}", fmt::join(conservative, ", ")));
+  const std::string state = verdict.at("state").get<std::string>();
+  return besides.empty() ? state : fmt::format("{} ({})", state, fmt::join(besides, "; "));
 }
 
 }  // namespace

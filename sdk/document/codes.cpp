@@ -268,6 +268,12 @@ constexpr CodeEntry entries[] = {
      "has too few digits for both, so the sigmas after the update are zero or wrong.",
      "Set `\"covariance\"` of the filter to `\"ud\"` or `\"square_root\"`, which have enough digits, or give an "
      "initial sigma closer to the true uncertainty."},
+    {"B128", "innovations smaller than their noise",
+     "The mean NIS of a measurement over a run is less than half of the expected value. The verdict does not change: "
+     "sigmas that are too large cost accuracy, but claim none.",
+     "Reduce the standard deviations or the process noise, as the note says. Correlated errors, such as those of a "
+     "receiver, also give small innovations: then leave the sigmas, or model the errors as a state. `except` of "
+     "`trust` suppresses the note."},
     {"B130", "adaptive noise in tuning",
      "A noise estimator computes R of a measurement from its innovations, so R follows every tuned parameter.",
      "Delete its `noise` for tuning (`--set …/noise=null`), or tune with withheld samples or a metric."},

@@ -84,6 +84,7 @@ class Scorer final : public binnacle::RunObserver {
   void exchange(StateBytes& bytes) override {
     bool are_records_there = records_;
     bytes.value(are_records_there);
+    bytes.value(data_begin_);
     if (are_records_there != records_)
       throw ConfigError(Diagnostic{Severity::error,
                                    "B084",
@@ -100,7 +101,10 @@ class Scorer final : public binnacle::RunObserver {
   void noted(const Diagnostic& note) override { observer_.noted(note); }
   bool wants_arrivals() const override { return observer_.wants_arrivals(); }
   void arrived(const Arrival& arrival) override { observer_.arrived(arrival); }
-  bool progress(Time t) override { return observer_.progress(t); }
+  bool progress(Time t) override {
+    if (data_begin_ == no_time) data_begin_ = t;  // the first call is at the first instant
+    return observer_.progress(t);
+  }
 
   void finished() override {
     observer_.finished();
@@ -138,6 +142,7 @@ class Scorer final : public binnacle::RunObserver {
       auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
       const FilterId filter{static_cast<int>(f)};
       figures.update(run_figures(*session_, filter));
+      add_wait(filter, figures);
       doubts_.merge(session_->doubts(filter));
       scores_[f]->warn_of_empty_spans(doubts_);
     }
@@ -152,6 +157,17 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& metric : *list)
         if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
     windows_ = across_windows(*plan_, scores_);
+  }
+  /// How long there was no estimate, and of which channels a sample had to come before there was one.
+  void add_wait(FilterId filter, Json& figures) const {
+    constexpr double least = 1;  // s
+    if (!session_->started(filter) || data_begin_ == no_time) return;
+    const double wait = seconds(session_->start_time(filter) - data_begin_);
+    if (wait < least) return;
+    Json& waited = figures["waited"] = {{"seconds", wait}, {"for", Json::array()}};
+    const Composition& composition = session_->composition();
+    for (const auto& initial : composition.filters()[as_size(filter.index)].starts_when)
+      waited["for"].push_back(composition.channels()[as_size(initial.channel)].name);
   }
   [[noreturn]] static void refuse_smoothing() {
     throw ConfigError(Diagnostic{Severity::error,
@@ -204,6 +220,7 @@ class Scorer final : public binnacle::RunObserver {
   Verdict verdict_ = Verdict::ok;
   Diagnostics doubts_;
   const Session* session_ = nullptr;  // of the run under way
+  Time data_begin_ = no_time;
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 // What became of a filter's samples, as the summary of a run shows it.
 #include "run_figures.hpp"
 
+#include "conservative.hpp"
+
 namespace binnacle::score {
 
 namespace {
@@ -43,7 +45,24 @@ Json innovations(const MeasurementInfo& info, const MeasurementCounts& counts) {
   return rows;
 }
 
-/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }], "unwatched": [names] }
+/// What is odd and leaves the verdict as it is: [{ "code", "measurement", "likely", "text" }].
+Json notes(const Session& session, FilterId filter) {
+  const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
+  Json list = Json::array();
+  for (std::size_t m = 0; m < info.measurements.size(); ++m) {
+    const MeasurementInfo& measurement = info.measurements[m];
+    const Conservative found =
+        conservative(info, measurement, session.counts(MeasurementId{filter, static_cast<int>(m)}));
+    if (found.likely == Likely::nothing) continue;
+    list.push_back({{"code", "B128"},
+                    {"measurement", measurement.name},
+                    {"likely", likely_name(found.likely)},
+                    {"text", found.text}});
+  }
+  return list;
+}
+
+/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }], "notes", "unwatched": [names] }
 Json verdict(const Session& session, FilterId filter) {
   const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
   const Diagnostics doubts = session.doubts(filter);
@@ -69,6 +88,7 @@ Json verdict(const Session& session, FilterId filter) {
   if (!session.started(filter))
     list.push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
   Json verdict{{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
+  if (auto besides = notes(session, filter); !besides.empty()) verdict["notes"] = std::move(besides);
   for (const auto& measurement : info.measurements)
     if (!measurement.is_watched) verdict["unwatched"].push_back(measurement.name);
   return verdict;

@@ -80,7 +80,7 @@ TEST_CASE(
     "what the guides to consistency, smoothing, time and the report say to type works and prints what they show") {
   std::vector<std::string> without_data;
   for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live",
-                           "live-output", "report", "export", "covariance-forms"}) {
+                           "live-output", "report", "export", "covariance-forms", "trust"}) {
     const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
     INFO(name);
     const auto [faults, untried] = session_of(page);

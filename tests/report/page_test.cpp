@@ -256,6 +256,63 @@ TEST_CASE("binnacle run --smooth --out: what is smoothed is drawn over its filte
   require_quiet(*chromium);
 }
 
+TEST_CASE("binnacle run --smooth --out: a table has the errors and NEES of filter and smoothed side by side") {
+  const Folder folder;
+  const std::string command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
+  const std::string out = (folder.path() / "out").string();
+  REQUIRE(std::system((command + " run '" + project + "/configs/quickstart.json' --smooth --quiet --out '" + out + "'")
+                          .c_str()) == 0);
+  const auto chromium = browser();
+  if (!chromium) return;
+  chromium->open(folder.path() / "out/report.html");
+  const auto cells = [&](const std::string& table, const std::string& name) {
+    return chromium->value_of("[...[...[...document.querySelectorAll('#filter-and-smoothed .table')][" + table +
+                              "].querySelectorAll('tbody tr')].find((e) => e.firstChild.textContent === '" + name +
+                              "').querySelectorAll('td')].map((e) => e.dataset.value || e.textContent)");
+  };
+  const Json filters = Json::parse(contents(folder.path() / "out/summary.json")).at("filters");
+  const Json &before = filters.at("ins"), &after = filters.at("ins.smoothed");
+  const auto is = [](const Json& cell, const Json& figure) {
+    return std::stod(cell.get<std::string>()) == figure.get<double>();
+  };
+  for (const std::string name : {"position.horizontal", "attitude.yaw"}) {
+    const Json shown = cells("0", name), &from = before["reference"][name], &to = after["reference"][name];
+    INFO(name << ": " << shown);
+    REQUIRE(shown.size() == 7);
+    std::size_t at = 0;
+    for (const char* key : {"rms", "max"}) {
+      CHECK(is(shown[at], from[key]));
+      CHECK(is(shown[at + 1], to[key]));
+      const double ratio = to[key].get<double>() / from[key].get<double>();
+      CHECK(std::abs(std::stod(shown[at + 2].get<std::string>()) - ratio) < 0.051 * ratio);
+      at += 3;
+    }
+  }
+  const Json shown = cells("1", "state");
+  INFO(shown);
+  CHECK(is(shown[0], before["consistency"]["state"]["nees_mean"]));
+  CHECK(is(shown[4], after["consistency"]["state"]["nees_mean"]));
+  // Of a filter by itself there is none.
+  CHECK(chromium->value_of("[...document.querySelectorAll('h3')].filter((e) => e.textContent === 'Filter and "
+                           "smoothed').length") == Json(1));
+  require_quiet(*chromium);
+}
+
+TEST_CASE("Page of a run: a verdict's note stands under it") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  auto results = run_results("ins", 300);
+  results.run->summary["filters"]["ins"]["verdict"] = {
+      {"state", "ok"},
+      {"reasons", Json::array()},
+      {"notes", {{{"code", "B128"}, {"measurement", "fix"}, {"text", "'fix' has a mean NIS"}}}}};
+  chromium->open(folder.write("page.html", report::page(results)));
+  CHECK(chromium->value_of("document.querySelector('.verdicts').textContent") ==
+        Json("ins: okB128 'fix' has a mean NIS"));
+  require_quiet(*chromium);
+}
+
 TEST_CASE("binnacle report: a folder without results is an error that states what to do") {
   const Folder folder;
   const std::string command = BINNACLE_TEST_COMMAND, answer = (folder.path() / "answer").string();

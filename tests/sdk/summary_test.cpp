@@ -62,6 +62,76 @@ TEST_CASE("a gate that no sample came near is a note with the figure") {
   CHECK(has(by_row, "  note: the gate of 'seen' was never near: the largest NIS of 200 samples is "));
 }
 
+namespace {
+
+/// Fixes with a pattern in place of noise of 0.1 m, which a filter without a gate believes in.
+nlohmann::json verdict_over(double (*pattern)(int), const std::string& q, const std::string& trust = "{}") {
+  const auto json =
+      summary_of(pattern, {"--json", "--set", "/filters/walk/measurements/seen/gate=null", "--set",
+                           "/filters/walk/process/wander/q=" + q, "--set", "/filters/walk/blocks/place/sigma=0.02 m",
+                           "--set", "/filters/walk/trust=" + trust});
+  return nlohmann::json::parse(json).at("filters").at("walk").at("verdict");
+}
+
+/// Neighbours are as often equal as opposite.
+double white(int i) { return i / 2 % 2 ? 0.02 : -0.02; }
+double alternating(int i) { return i % 2 ? 0.02 : -0.02; }
+double persisting(int i) { return i / 20 % 2 ? 0.02 : -0.02; }
+
+}  // namespace
+
+TEST_CASE("a measurement far more precise than specified is a note with the likely intent, and stands at the verdict") {
+  const auto verdict = verdict_over(white, "1e-6 m/sqrt(s)");
+  INFO(verdict.dump());
+  CHECK(verdict.at("state") == "ok");
+  REQUIRE(verdict.at("notes").size() == 1);
+  const auto& note = verdict.at("notes").at(0);
+  CHECK(note.at("code") == "B128");
+  CHECK(note.at("measurement") == "seen");
+  CHECK(note.at("likely") == "sigma");
+  CHECK(note.at("text") ==
+        "'seen' has a mean NIS of 0.04 over 200 samples, and 1 is expected; likely intent: standard "
+        "deviations of about 0.2 of those specified");
+  const auto text = summary_of(white, {"--set", "/filters/walk/measurements/seen/gate=null", "--set",
+                                       "/filters/walk/process/wander/q=1e-6 m/sqrt(s)"});
+  INFO(text);
+  CHECK(has(text, "  note: B128 'seen' has a mean NIS of 0.0"));
+  CHECK(has(text, "verdict: walk ok (conservative: seen)\n"));
+}
+
+TEST_CASE("where innovations persist or alternate, the note has another likely cause") {
+  CHECK(verdict_over(persisting, "1e-6 m/sqrt(s)").at("notes").at(0).at("likely") == "persisting_errors");
+  CHECK(verdict_over(alternating, "1 m/sqrt(s)").at("notes").at(0).at("likely") == "process_noise");
+  const auto text = summary_of(persisting, {"--set", "/filters/walk/measurements/seen/gate=null", "--set",
+                                            "/filters/walk/process/wander/q=1e-6 m/sqrt(s)"});
+  INFO(text);
+  CHECK(has(text, "are those of errors that persist: the sigmas may be right\n"));
+  CHECK(has(text, "verdict: walk ok\n"));
+}
+
+TEST_CASE("no note is made of what trust excepts, nor of innovations as large as specified") {
+  CHECK_FALSE(verdict_over(white, "1e-6 m/sqrt(s)", R"({"except": ["seen"]})").contains("notes"));
+  CHECK_FALSE(has(summary_of([](int i) { return i / 2 % 2 ? 0.1 : -0.1; },
+                             {"--set", "/filters/walk/measurements/seen/gate=null", "--set",
+                              "/filters/walk/process/wander/q=1e-6 m/sqrt(s)"}),
+                  "B128"));
+}
+
+TEST_CASE("a filter that starts late says since when there are estimates, and what it waited for") {
+  const Workbench bench;
+  bench.write("fix.csv", "t,place\n1,0.1\n2,0.2\n3,0.15\n4,0.3\n5,0.25\n");
+  bench.write("truth.csv", "t,place\n3.5,0.2\n4.5,0.3\n");
+  std::vector<std::string> arguments{"run", "good.json"};
+  const auto text = [&] { return binnacle::test::binnacle(bench, arguments).out; };
+  CHECK_FALSE(has(text(), "first estimate"));
+  arguments.insert(arguments.end(), {"--set", R"(/filters/walk/blocks/place/init={"channel": "truth"})"});
+  INFO(text());
+  CHECK(has(text(), "\n  first estimate at 3.500 s, 2.5 s after the data begin: it waited for truth\n"));
+  arguments.push_back("--json");
+  const auto walk = nlohmann::json::parse(text()).at("filters").at("walk");
+  CHECK(walk.at("waited") == nlohmann::json({{"seconds", 2.5}, {"for", {"truth"}}}));
+}
+
 TEST_CASE("blocks without reference are shown where withheld samples are one") {
   const auto json = nlohmann::json::parse(stand(R"({"withheld": "fix"})", {"--json"}).out);
   const auto& unscored = json.at("filters").at("ins").at("unscored");

@@ -271,9 +271,9 @@ class RunUnderWay {
         observer_.noted(session_.notes({f}).items()[noted_[as_size(f)]++]);
     for (const auto& part : parts_) part->after_instant();
     observer_.after_instant();
-    checkpointing_.after_instant();
     if (watch_) watch_->end_instant();
     if (instants_++ % 32 == 0 && !observer_.progress(runtime_.time())) runtime_.end_sources();
+    checkpointing_.after_instant();  // last: with what the observer keeps of this instant
     return true;
   }
 

@@ -114,7 +114,7 @@ function besideEstimates(block) {
   return [beside, block.errors.filter((error) => !beside.includes(error))];
 }
 
-const smoothedFilter = (filter) => payload.run.filters.find((other) => other.name === `${filter.name}.smoothed`);
+const smoothedFilter = (filter) => payload.run.filters.find((other) => other.name === smoothedName(filter));
 
 /// The same error or estimate of what the filter became smoothed, to be drawn over it.
 function smoothed(filter, block, list, entry) {
@@ -225,8 +225,8 @@ function trackSection(filter) {
 
 function filterSections(filter, summary, path) {
   // Never started, or with one sample only: nothing is drawn over time.
-  if (!filter.span || !(filter.span[1] > filter.span[0])) return [summarySection(filter, summary, path)];
-  return [summarySection(filter, summary, path), trackSection(filter), observabilitySection(summary, path), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
+  if (!filter.span || !(filter.span[1] > filter.span[0])) return [summarySection(filter, summary, path), smoothedSection(filter)].filter(Boolean);
+  return [summarySection(filter, summary, path), smoothedSection(filter), trackSection(filter), observabilitySection(summary, path), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
 }
 
 // ---- the whole
@@ -235,7 +235,7 @@ function filterSections(filter, summary, path) {
 function verdicts() {
   const filters = Object.entries((payload.run && payload.run.summary.filters) || {}).filter(([, filter]) => filter.verdict);
   return filters.length ? el('dl', { class: 'verdicts' }, filters.flatMap(([name, { verdict }]) => [el('dt', { class: verdict.state }, `${name}: ${verdict.state}`),
-    ...[...verdict.reasons, ...(verdict.likely_causes || [])].map((reason) => el('dd', {}, `${reason.code} ${reason.text}`))])) : null;
+    ...[...verdict.reasons, ...(verdict.likely_causes || []), ...(verdict.notes || [])].map((reason) => el('dd', {}, `${reason.code} ${reason.text}`))])) : null;
 }
 
 function header(kind, provenance) {

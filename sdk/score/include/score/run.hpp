@@ -85,7 +85,7 @@ struct RunOptions {
 
 struct RunResult {
   /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "unscored", "notes", "measurements",
-  ///   "start_s", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "live", "warnings", "wall_s" }; figures
+  ///   "start_s", "waited", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "live", "warnings", "wall_s" }; figures
   ///   carry their unit.
   nlohmann::ordered_json summary;
   std::vector<MetricValue> metrics;  // those of RunOptions, in their order

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "conservative.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "wording/wording.hpp"
+
+namespace binnacle::score {
+
+using namespace wording;
+
+namespace {
+
+constexpr std::int64_t enough = 50;  // samples, as many as a window of the verdict has at least
+constexpr double material = 0.5;     // mean NIS over what is expected: 0.71 of the standard deviations
+constexpr double rare = -4.75;       // normal score of a probability of 1e-6
+// Correlation of innovations with those before them. Noise that is specified up to ten times too large leaves them white
+// (0.27 in the quickstart); errors that persist do not (0.37 at least in configs/drives and configs/land).
+constexpr double persisting = 0.3;
+constexpr double alternating = -0.2;
+
+/// Of the mean of χ² variables with d degrees of freedom together, over 1: the normal score (Wilson and Hilferty, 1931).
+double score_of(double ratio, double d) {
+  const double variance = 2 / (9 * d);
+  return (std::cbrt(ratio) - 1 + variance) / std::sqrt(variance);
+}
+
+/// Innovations of considered components are not white, even of a right filter.
+bool is_considered(const FilterInfo& filter, const MeasurementInfo& measurement) {
+  return std::ranges::any_of(measurement.blocks, [&](int block) {
+    const auto& use = filter.blocks[as_size(block)].use;
+    return std::ranges::find(use, "considered") != use.end();
+  });
+}
+
+std::string number(double value, int digits = 2) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+/// Of innovations with those before them, the mean of the rows.
+double correlation_of(const std::vector<RowFigures>& rows) {
+  double sum = 0;
+  int count = 0;
+  for (const RowFigures& row : rows)
+    if (row.used >= enough) {
+      sum += row.correlation;
+      ++count;
+    }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+const char* likely_name(Likely likely) {
+  constexpr const char* names[] = {"nothing", "sigma", "process_noise", "persisting_errors"};
+  return names[static_cast<int>(likely)];
+}
+
+double share_inside_gate(double probability) {
+  if (probability <= 0 || probability >= 1) return 1;
+  double low = 0, high = 6;  // of x = z/√2, where P(|z| < limit) = erf(x)
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 * (low + high);
+    (std::erf(x) < probability ? low : high) = x;
+  }
+  return 1 - 2 * low * std::exp(-low * low) / (std::sqrt(std::numbers::pi) * probability);
+}
+
+Conservative conservative(const FilterInfo& filter, const MeasurementInfo& measurement,
+                          const MeasurementCounts& counts) {
+  if (!measurement.is_watched || counts.nis_count < enough || is_considered(filter, measurement)) return {};
+  const double expected = counts.dof_mean * share_inside_gate(measurement.gate.probability);
+  const double ratio = counts.nis_mean / expected;
+  if (!(ratio < material) || score_of(ratio, expected * static_cast<double>(counts.nis_count)) > rare) return {};
+  const double correlation = correlation_of(counts.rows);
+  const std::string figures = "'" + measurement.name + "' has a mean NIS of " + number(counts.nis_mean, 3) + " over " +
+                              std::to_string(counts.nis_count) + " samples, and " + number(expected, 3) +
+                              " is expected";
+  const std::string innovations = "its innovations, correlated by " + number(correlation) + " from sample to sample, ";
+  if (correlation > persisting)
+    return {Likely::persisting_errors,
+            figures + "; " + innovations + "are those of errors that persist: the sigmas may be right"};
+  if (correlation < alternating)
+    return {Likely::process_noise, figures + "; " + innovations + "alternate: process noise may be too large"};
+  return {Likely::sigma, figures + "; likely intent: standard deviations of about " + number(std::sqrt(ratio)) +
+                             " of those specified"};
+}
+
+}  // namespace binnacle::score
