@@ -7,6 +7,7 @@
 
 #include "atomic_file.hpp"
 #include "inspect/inspect.hpp"
+#include "inspect_lever_arms.hpp"
 #include "inspect_sources.hpp"
 #include "inspect_text.hpp"
 #include "output.hpp"
@@ -30,8 +31,9 @@ void write_whole(const std::string& path, const std::string& text) {
 }
 
 int inspect_files(const Options& options) {
-  const auto inspection =
-      inspect::inspect(channels_of(options.files, options.config.load_options(), [] { return true; }));
+  auto inspection = inspect::inspect(channels_of(options.files, options.config.load_options(), [] { return true; }));
+  if (is_config(options.files.front()))
+    inspect::compare_lever_arms(stated_lever_arms(options.files.front(), options.config.load_options()), inspection);
   bool has_warnings = false;
   for (const auto& found : inspection.findings) has_warnings |= found.severity == inspect::Severity::warning;
   if (!options.page.empty()) {
@@ -39,6 +41,7 @@ int inspect_files(const Options& options) {
     for (const auto& file : options.files) title += " " + std::filesystem::path(file).filename().string();
     write_whole(options.page, inspect::page(inspection, title));
   }
+  std::string proposed;
   int status = has_warnings && options.strict ? failed : ok;
   if (!options.proposal.empty()) {
     const auto folder = std::filesystem::absolute(options.proposal).parent_path();
@@ -49,12 +52,13 @@ int inspect_files(const Options& options) {
       status = failed;
     } else {
       write_whole(options.proposal, proposal.config.dump(2) + "\n");
+      for (const auto& note : proposal.notes) proposed += "  " + note + "\n";
     }
   }
   if (options.json)
     print_json(inspect::to_json(inspection));
   else
-    print(inspection_text(inspection));
+    print(inspection_text(inspection) + (proposed.empty() ? "" : "\nIn " + options.proposal + "\n" + proposed));
   return status;
 }
 
@@ -67,7 +71,8 @@ Verb inspect_verb(CLI::App& command) {
   app->add_option("FILE", options->files, "A config, or data files such as imu.csv gnss.csv")->required();
   options->config.add_to(*app);
   app->add_option("--page", options->page, "Write an HTML page with plots")->type_name("FILE.html");
-  app->add_option("--write", options->proposal, "Write a config with the remedies applied; add the lever arm yourself")
+  app->add_option("--write", options->proposal,
+                  "Write a config with the remedies applied, and the lever arm if turning shows it")
       ->type_name("FILE.json");
   app->add_flag("--strict", options->strict, "Exit with status 1 if there is a warning");
   app->add_flag("--json", options->json, "Print the findings as JSON on stdout");

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "binnacle/diagnostic.hpp"
+#include "inspect_sources.hpp"
 #include "output.hpp"
 #include "sentinel.hpp"
 #include "verbs.hpp"
@@ -72,6 +73,12 @@ void refuse_word(const CLI::App& app, const std::string& word, const std::string
   }
 }
 
+/// What is an option of a verb here, and may be looked for as a verb.
+std::string verb_meant(const std::string& word, const std::vector<std::string>& names) {
+  if (word.starts_with("smooth")) return "; did you mean 'run CONFIG --smooth'?";
+  return meant(word, names);
+}
+
 /// Unknown verbs, options and surplus words, the first of them, with what was likely meant.
 void refuse_leftovers(const CLI::App& command, const std::vector<Verb>& verbs) {
   const auto chosen = std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
@@ -79,7 +86,7 @@ void refuse_leftovers(const CLI::App& command, const std::vector<Verb>& verbs) {
     refuse_word(command, word, help_hint(nullptr));
     std::vector<std::string> names;
     for (const auto& verb : verbs) names.push_back(verb.app->get_name());
-    throw UsageError(fmt::format("unknown verb '{}'{}{}", word, meant(word, names), help_hint(nullptr)));
+    throw UsageError(fmt::format("unknown verb '{}'{}{}", word, verb_meant(word, names), help_hint(nullptr)));
   }
   if (chosen == verbs.end()) return;
   if (chosen->app->get_prefix_command()) return;
@@ -138,12 +145,23 @@ std::string words_of(const std::system_error& error) {
   return "no thread can be started: " + error.code().message() + "; raise the limit (ulimit -u, or -v of memory)";
 }
 
+/// Of a file of data in place of a config: what takes data.
+void hint_at_inspect(const binnacle::Diagnostics& diagnostics) {
+  if (diagnostics.items().empty()) return;
+  const binnacle::Diagnostic& first = diagnostics.items().front();
+  const std::string& file = first.origin.file;
+  if (first.code != "B001" || first.origin.line > 1 || binnacle::command::is_config(file)) return;
+  binnacle::command::print_note("a config is JSON, and " + file + " is none; of data, 'binnacle inspect " + file +
+                                " --write my.json' proposes one");
+}
+
 int guarded_main(int argc, char** argv) {
   using namespace binnacle::command;
   try {
     return carry_out(argc, argv);
   } catch (const binnacle::Error& error) {
     print_diagnostics(error.diagnostics());
+    hint_at_inspect(error.diagnostics());
     return error.exit_status();
   } catch (const UsageError& error) {
     print_error(error.what());

@@ -196,8 +196,12 @@ class Pair {
     inspection_.delay = delay + difference;
     if (axes.is_ruled_out) return;
     Vector3d lever_arm = Vector3d::Zero();
+    LeverArm antenna;
     inspection_.mounting =
-        ask_mounting(imu_, gnss_, inertial_, fixes_, delay, true_bias, rest_, lever_arm, inspection_.findings);
+        ask_mounting(imu_, gnss_, inertial_, fixes_, delay, true_bias, rest_, lever_arm, antenna, inspection_.findings);
+    if (antenna.windows > 0 && axes.force.isIdentity() && axes.rate.isIdentity())
+      inspection_.lever_arm = SeenLeverArm{imu_.name, gnss_.name, antenna.value, antenna.covariance};
+    if (inspection_.mounting) inspection_.start = start_of(inertial_, fixes_, delay, rest_, *inspection_.mounting);
     ask_velocity_faults(gnss_, inertial_, fixes_, delay, true_bias, lever_arm, inspection_.findings, inspection_.plots);
   }
 
@@ -210,13 +214,13 @@ class Pair {
   RestFigures rest_;
 };
 
+}  // namespace
+
 void sort(Findings& findings) {
   std::ranges::stable_sort(findings, {}, [](const Finding& found) {
     return found.severity == Severity::warning ? 0 : found.severity == Severity::finding ? 1 : 2;
   });
 }
-
-}  // namespace
 
 Inspection inspect(std::vector<Channel> channels) {
   Inspection inspection;
@@ -232,7 +236,7 @@ Inspection inspect(std::vector<Channel> channels) {
     const VelocityRelation its_relation = ask_velocity(channel, its, findings);
     ask_frozen(channel, its, findings);
     ask_deviations(channel, its, findings);
-    if (gnss || !its.has_velocity) {
+    if (gnss || !its.has_velocity || channel.is_reference()) {
       ask_heading(channel, its, findings);
       continue;
     }

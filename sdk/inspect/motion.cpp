@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
+#include "lever_arm.hpp"
 #include "questions.hpp"
 #include "statistics.hpp"
 #include "windows.hpp"
@@ -78,36 +79,45 @@ Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_spee
   return mean;
 }
 
-Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& windows, const Vector3d& bias,
-                          const Matrix3d& C_vb, Findings& findings) {
-  LinearFit fit = lever_arm_of(windows, bias, 6);
-  if (fit.used == 0) return Vector3d::Zero();
-  const Vector3d lever_arm = fit.beta;
-  fit.beta = C_vb * lever_arm;
-  fit.standard_error = (C_vb.cwiseAbs2() * fit.standard_error.cwiseAbs2()).cwiseSqrt();
+/// Half of a metre: what a position is to be good to before the antenna's place matters [m].
+constexpr double worth_saying = 0.5;
+
+/// In vehicle axes, with the share of the mounting's own error (of each axis) in the covariance.
+LeverArm in_vehicle(const LeverArm& of_sensor, const Matrix3d& C_vb, double mounting_error) {
+  LeverArm lever_arm = of_sensor;
+  lever_arm.value = C_vb * of_sensor.value;
+  const Vector3d& l = lever_arm.value;
+  lever_arm.covariance = C_vb * of_sensor.covariance * C_vb.transpose() +
+                         mounting_error * mounting_error * (l.squaredNorm() * Matrix3d::Identity() - l * l.transpose());
+  return lever_arm;
+}
+
+void report_lever_arm(const Channel& imu, const Channel& gnss, const LeverArm& lever_arm, Findings& findings) {
   constexpr const char* names[] = {"forward", "right", "down"};
   constexpr const char* sides[] = {"ahead of", "right of", "below", "behind", "left of", "above"};
   for (int k = 0; k < 3; ++k) {
+    const double value = lever_arm.value[k], sigma = std::sqrt(lever_arm.covariance(k, k));
     Finding found;
     found.kind = "lever_arm";
     found.channel = imu.name + ", " + gnss.name;
     found.field = names[k];
-    found.value = fit.beta[k];
+    found.value = value;
+    found.sigma = sigma;
     found.unit = "m";
-    const bool is_seen = fit.used > 0 && std::abs(fit.beta[k]) > 4 * fit.standard_error[k];
-    found.severity = is_seen ? Severity::finding : Severity::unknown;
-    found.text = is_seen ? fmt::format("the antenna is {} m {} the IMU (+- {} m)", figure(std::abs(fit.beta[k])),
-                                       sides[fit.beta[k] > 0 ? k : k + 3], figure(fit.standard_error[k]))
-                         : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
-                                       figure(fit.standard_error[k]));
+    const bool is_determined = sigma < worth_saying || std::abs(value) > 4 * sigma;
+    found.severity = is_determined ? Severity::finding : Severity::unknown;
+    found.text =
+        is_determined
+            ? fmt::format("the antenna is {:.2f} m {} the IMU (+- {:.2f} m)", std::abs(value),
+                          sides[value > 0 ? k : k + 3], sigma)
+            : fmt::format("turning does not show where the antenna is: sigma {:.2g} m {}; measure it", sigma, names[k]);
     found.evidence = fmt::format(
-        "residuals of {} horizontal differences of velocity against turning; the error is larger than stated if axes "
-        "or clocks are wrong",
-        fit.used / 2);
+        "horizontal velocities in {} windows of 20 s against turning, together with the delay and the biases; sigma by "
+        "leaving out a window at a time",
+        lever_arm.windows);
     found.confidence = 0.9;
     findings.push_back(std::move(found));
   }
-  return lever_arm;
 }
 
 void report_level(const Finding& found, const Matrix3d& M, const RestFigures& rest, Findings& findings) {
@@ -177,7 +187,7 @@ void report_order(const Finding& of, const Matrix3d& M, double error, Findings& 
 
 std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
                                      const Fixes& fixes, double delay, const Vector3d& bias, const RestFigures& rest,
-                                     Vector3d& lever_arm, Findings& findings) {
+                                     Vector3d& lever_arm, LeverArm& antenna, Findings& findings) {
   Windows windows(inertial, fixes, delay, 20);
   const Mean mean = mounting_of(windows, bias, fixes.moving < 3 ? fixes.moving : 5);
   Finding found;
@@ -224,7 +234,10 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
                        {"yaw", text(proposed.yaw)}}}}}};
   findings.push_back(found);
   report_level(found, M, rest, findings);
-  lever_arm = report_lever_arm(imu, gnss, windows, bias, M, findings);
+  // What velocities are freed from is the lever arm that goes best with this delay.
+  if (const LinearFit fit = lever_arm_of(windows, bias, 6); fit.used > 0) lever_arm = fit.beta;
+  antenna = find_lever_arm(inertial, fixes, delay, bias);
+  if (antenna.windows > 0) report_lever_arm(imu, gnss, in_vehicle(antenna, M, error), findings);
   return M;
 }
 

@@ -125,6 +125,7 @@ Json to_json(const Inspection& inspection) {
          {"channel", found.channel},
          {"field", found.field},
          {"value", number(found.value)},
+         {"sigma", number(found.sigma)},
          {"unit", found.unit},
          {"text", found.text},
          {"evidence", {{"figure", found.evidence}, {"from_s", number(found.from)}, {"to_s", number(found.to)}}},

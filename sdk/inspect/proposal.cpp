@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config of the channels that were looked at, with the remedies of the findings in it.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -84,7 +86,7 @@ const Channel* first(const std::vector<Channel>& channels, bool (*is_it)(const C
 }
 
 bool is_full_fix(const Channel& channel) {
-  return !channel.is_inertial() &&
+  return !channel.is_inertial() && !channel.is_reference() &&
          std::ranges::all_of(fix_fields, [&](const auto& name) { return channel.find(name); });
 }
 
@@ -112,8 +114,8 @@ std::string lacking(const std::vector<Channel>& channels, const std::vector<std:
 
 /// Deviations that a channel does not state: usual ones of a single receiver.
 Json fix_of(const Channel& gnss) {
-  Json position = {{"type", "position_fix"}, {"blocks", {{"position", "position"}}}};
-  Json velocity = {{"type", "velocity_fix"}, {"blocks", {{"velocity", "velocity"}}}};
+  Json position = {{"type", "position_fix"}, {"blocks", {{"position", "antenna"}}}};
+  Json velocity = {{"type", "velocity_fix"}, {"blocks", {{"velocity", "antenna_velocity"}}}};
   if (!gnss.find("position_sd_n"))
     position["sigma"] = {"3 m", "3 m", "5 m"};
   else
@@ -122,12 +124,57 @@ Json fix_of(const Channel& gnss) {
     velocity["sigma"] = "0.2 m/s";
   else
     velocity["floor"] = "0.03 m/s";
-  return {{"channel", gnss.name}, {"stack", {{"position", position}, {"velocity", velocity}}}};
+  return {{"channel", gnss.name}, {"stack", {{"position", position}, {"velocity", velocity}}}, {"gate", 0.9999}};
 }
 
-/// An inertial navigation filter with position and velocity of the receiver. Noises are usual ones of a MEMS sensor: these
-/// data do not show them, `allan` does.
-Json filter_of(const std::string& imu, const Channel& gnss) {
+/// Usual ones of a MEMS sensor, or what this one has at rest. While it moves there is more (vibration, scale errors): never less than a
+/// tenth of the usual ones.
+struct Noise {
+  double gyro = 1e-3, force = 0.05;  // rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
+};
+Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
+  Noise noise;
+  if (!inspection.start) {
+    notes.push_back(
+        "noises: usual ones of a MEMS sensor, for the record does not begin with ten seconds of rest and then a drive "
+        "forward");
+    return noise;
+  }
+  const Start& start = *inspection.start;
+  noise = {std::max(0.1 * noise.gyro, start.gyro_noise), std::max(0.1 * noise.force, start.force_noise)};
+  notes.push_back(
+      fmt::format("noises: those of {:.0f} s of rest, gyro {:.2g} rad/s/sqrt(Hz), accelerometer {:.2g} m/s^2/sqrt(Hz), "
+                  "or a tenth of usual "
+                  "ones of a MEMS sensor where that is more; those of the biases are usual ones",
+                  start.seconds, start.gyro_noise, start.force_noise));
+  return noise;
+}
+
+/// Of the antenna, in the vehicle's axes: what is determined, and zero else.
+Json lever_arm_of(const Inspection& inspection, std::vector<std::string>& notes) {
+  Json lever_arm = {0, 0, 0};
+  std::string known, open;
+  constexpr const char* names[] = {"forward", "right", "down"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = std::ranges::find_if(inspection.findings, [&](const Finding& found) {
+      return found.kind == "lever_arm" && found.field == names[k] && found.severity == Severity::finding;
+    });
+    if (at == inspection.findings.end()) {
+      open += std::string(open.empty() ? "" : ", ") + names[k];
+      continue;
+    }
+    lever_arm[k] = fmt::format("{:.2f} m", at->value);
+    known += fmt::format("{}{} {:.2f} +- {:.2f} m", known.empty() ? "" : ", ", names[k], at->value, at->sigma);
+  }
+  if (!known.empty()) notes.push_back("lever arm, by turning: " + known + "; a measured one is better");
+  if (!open.empty())
+    notes.push_back("lever arm " + open +
+                    ": zero, for the data do not show it; measure it from the IMU to the antenna");
+  return lever_arm;
+}
+
+/// An inertial navigation filter with position and velocity of the receiver's antenna.
+Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, const Json& lever_arm) {
   Json blocks = {{"position",
                   {{"type", "position"},
                    {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}},
@@ -138,6 +185,14 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
                  {"gyro_bias",
                   {{"type", "vector"}, {"size", 3}, {"unit", "rad/s"}, {"init", {{"channel", "alignment.gyro_bias"}}}}},
                  {"accel_bias", {{"type", "vector"}, {"size", 3}, {"unit", "m/s^2"}, {"sigma", "0.2 m/s^2"}}}};
+  Json derived = {{"antenna",
+                   {{"type", "lever_arm"},
+                    {"blocks", {{"position", "position"}, {"attitude", "attitude"}}},
+                    {"lever_arm", lever_arm}}},
+                  {"antenna_velocity",
+                   {{"type", "lever_arm_velocity"},
+                    {"blocks", {{"velocity", "velocity"}, {"attitude", "attitude"}, {"gyro_bias", "gyro_bias"}}},
+                    {"lever_arm", lever_arm}}}};
   Json strapdown = {{"type", "phi_error"},
                     {"input", imu},
                     {"blocks",
@@ -146,9 +201,10 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
                       {"attitude", "attitude"},
                       {"gyro_bias", "gyro_bias"},
                       {"accel_bias", "accel_bias"}}},
-                    {"gyro_noise", "1e-3 rad/s/sqrt(Hz)"},
-                    {"accel_noise", "0.05 m/s^2/sqrt(Hz)"}};
+                    {"gyro_noise", fmt::format("{:.2g} rad/s/sqrt(Hz)", noise.gyro)},
+                    {"accel_noise", fmt::format("{:.2g} m/s^2/sqrt(Hz)", noise.force)}};
   return {{"blocks", blocks},
+          {"derived", derived},
           {"process",
            {{"strapdown", strapdown},
             {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", "1e-5 rad/s/sqrt(s)"}}},
@@ -157,21 +213,77 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
           {"measurements", {{"fix", fix_of(gnss)}}}};
 }
 
-Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder) {
-  Json config = {{"binnacle", 1},
-                 {"title", "Proposed by binnacle inspect; noises are those of a typical MEMS sensor, not measured"}};
+/// By rest and the course where the record begins so; else by motion alone. `mounting_error`: of the axes [deg].
+Json alignment_of(const Inspection& inspection, const std::string& input, const Channel& gnss, double mounting_error,
+                  std::vector<std::string>& notes) {
+  const Json inputs = {{"imu", input}, {"gnss", gnss.name}};
+  if (!inspection.start || !std::isfinite(mounting_error)) {
+    notes.push_back("alignment: in motion, from velocities alone");
+    return {{"type", "in_motion_alignment"}, {"inputs", inputs}};
+  }
+  const Start& start = *inspection.start;
+  notes.push_back(fmt::format("alignment: roll and pitch from {:.0f} s of rest, yaw from the course once it drives",
+                              start.seconds));
+  Json alignment = {{"type", "coarse_alignment"},
+                    {"inputs", inputs},
+                    {"heading", "course"},
+                    {"accelerometer_bias", "20 mg"}};
+  // Its limits for rest, where a sensor at rest would be beyond them.
+  if (3 * start.force_scatter > 0.15)
+    alignment["max_specific_force_sd"] = fmt::format("{:.2g} m/s^2", 3 * start.force_scatter);
+  if (3 * start.gyro_scatter > 0.0087) alignment["max_rate_sd"] = fmt::format("{:.2g} rad/s", 3 * start.gyro_scatter);
+  alignment["sigma_heading"] = fmt::format("{:.2g} deg", std::max(1.0, 2 * mounting_error));
+  return alignment;
+}
+
+/// A text file that calls itself truth or reference, with positions: the filter's errors are against it.
+void add_reference(const Inspection& inspection, const std::string& folder, Json& config,
+                   std::vector<std::string>& notes) {
+  struct Block {
+    const char* name;
+    std::vector<std::string> fields;
+  };
+  const Block known[] = {{"ins/position", {"lat", "lon", "height"}},
+                         {"ins/velocity", {"vn", "ve", "vd"}},
+                         {"ins/attitude", {"roll", "pitch", "yaw"}}};
+  for (const Channel& channel : inspection.channels) {
+    if (!channel.is_reference() || channel.type != "csv") continue;
+    Json blocks = Json::object();
+    for (const Block& block : known)
+      if (std::ranges::all_of(block.fields, [&](const auto& field) {
+            const Field* const there = channel.find(field);
+            // An angle without a unit may be either: it is no reference.
+            return there && !there->unit.empty() && !(there->is_guessed && block.fields.front() == "roll");
+          }))
+        blocks[block.name] = block.fields;
+    if (!blocks.contains("ins/position")) continue;
+    config["sources"][source_name(channel)] = source_of(channel, folder);
+    config["reference"] = Json::array({{{"channel", channel.name}, {"blocks", blocks}}});
+    notes.push_back("reference: " + channel.name + ", by its name");
+    return;
+  }
+}
+
+Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder,
+                  std::vector<std::string>& notes) {
+  Json config = {{"binnacle", 1}, {"title", "Proposed by binnacle inspect"}};
   for (const Channel* channel : {&imu, &gnss}) config["sources"][source_name(*channel)] = source_of(*channel, folder);
   apply(inspection.findings, config);
   std::string input = imu.name;
+  double mounting_error = std::numeric_limits<double>::quiet_NaN();
   for (const Finding& found : inspection.findings)
     if (found.kind == "mounting" && found.channel == imu.name && found.meaning.is_object()) {
       merge(config, found.meaning);
       input = found.meaning["transforms"].begin().key();
+      mounting_error = found.value;
     }
-  config["transforms"]["alignment"] = {{"type", "in_motion_alignment"},
-                                       {"inputs", {{"imu", input}, {"gnss", gnss.name}}}};
-  config["filters"] = {{"ins", filter_of(input, gnss)}};
+  const Noise noise = noise_of(inspection, notes);
+  config["transforms"]["alignment"] = alignment_of(inspection, input, gnss, mounting_error, notes);
+  config["filters"] = {{"ins", filter_of(input, gnss, noise, lever_arm_of(inspection, notes))}};
+  add_reference(inspection, folder, config, notes);
   config["record"] = {{"every", "0.5 s"}};
+  config["title"] = inspection.start ? "Proposed by binnacle inspect; noises of the inertial sensor are those at rest"
+                                     : "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured";
   return config;
 }
 
@@ -182,13 +294,15 @@ Proposal propose(const Inspection& inspection, const std::string& folder, const 
     Json config = {{"extends", relative(base, folder)}};
     for (const Channel& channel : inspection.channels) config["sources"][source_name(channel)] = Json::object();
     apply(inspection.findings, config);
-    return {config, ""};
+    return {config, "", {}};
   }
   const Channel* const imu = first(inspection.channels, [](const Channel& each) { return each.is_inertial(); });
   const Channel* const gnss = first(inspection.channels, is_full_fix);
-  if (!imu) return {nullptr, lacking(inspection.channels, inertial_fields)};
-  if (!gnss) return {nullptr, lacking(inspection.channels, fix_fields)};
-  return {whole_config(inspection, *imu, *gnss, folder), ""};
+  if (!imu) return {nullptr, lacking(inspection.channels, inertial_fields), {}};
+  if (!gnss) return {nullptr, lacking(inspection.channels, fix_fields), {}};
+  Proposal proposal;
+  proposal.config = whole_config(inspection, *imu, *gnss, folder, proposal.notes);
+  return proposal;
 }
 
 }  // namespace binnacle::inspect

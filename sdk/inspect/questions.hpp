@@ -8,6 +8,7 @@
 
 #include "binnacle/unit.hpp"
 #include "inspect/inspect.hpp"
+#include "lever_arm.hpp"
 #include "series.hpp"
 
 namespace binnacle::inspect {
@@ -42,6 +43,9 @@ RestFigures find_rest(const Inertial& inertial, const Fixes* fixes = nullptr, do
 /// Unit of specific force by gravity: corrects `inertial`, returns the factor.
 double ask_force_unit(const Channel& channel, Inertial& inertial, Findings& findings);
 void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigures& rest, Findings& findings);
+/// How the record begins: rest, and moving off; nothing where it begins otherwise.
+std::optional<Start> start_of(const Inertial& inertial, const Fixes& fixes, double delay, const RestFigures& rest,
+                              const Matrix3d& C_vb);
 void ask_vibration(const Channel& channel, const Inertial& inertial, const RestFigures& rest, Findings& findings);
 
 // ---- a channel of fixes
@@ -89,12 +93,16 @@ int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, con
 /// The delay to a fraction of a step, with its standard error; from the specific force as well as from turning.
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
                  const Vector3d& bias, double label_difference, Findings& findings);
-/// C_vb, by course, climb and the attitudes that fit velocities to specific force; lever arm by what is left.
+/// C_vb, by course, climb and the attitudes that fit velocities to specific force. lever_arm: what goes best with this delay. antenna: with
+/// the delay and the biases as unknowns of their own, as it is reported.
 std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
                                      const Fixes& fixes, double delay, const Vector3d& bias, const RestFigures& rest,
-                                     Vector3d& lever_arm, Findings& findings);
+                                     Vector3d& lever_arm, LeverArm& antenna, Findings& findings);
 /// Spans in which velocities contradict the specific force.
 void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double delay,
                          const Vector3d& bias, const Vector3d& lever_arm, Findings& findings, std::vector<Plot>& plots);
+
+/// Warnings first, otherwise in their order.
+void sort(Findings& findings);
 
 }  // namespace binnacle::inspect

@@ -176,6 +176,40 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
 
 namespace {
 
+/// What the forces along x have pushed from the end of rest until the vehicle is under way [m/s]: backwards, it is below zero.
+double push_off(const Inertial& inertial, double from, double to, double at_rest, const Matrix3d& C_vb) {
+  double push = 0;
+  for (std::size_t i = 0; i < inertial.t.size() && inertial.t[i] < to; ++i)
+    if (inertial.t[i] > from && inertial.f[i].allFinite())
+      push += ((C_vb.row(0) * inertial.f[i]).value() - at_rest) * inertial.step;
+  return push;
+}
+
+}  // namespace
+
+std::optional<Start> start_of(const Inertial& inertial, const Fixes& fixes, double delay, const RestFigures& rest,
+                              const Matrix3d& C_vb) {
+  // Ten seconds: levelling takes the mean of two, and the noise of a sample is then known to a few percent.
+  if (!rest.is_seen || rest.spans.empty() || rest.spans.front().from > inertial.t.front() + 5) return std::nullopt;
+  const Rest& first = rest.spans.front();
+  Start start{first.to - first.from, rest.sigma_w.maxCoeff(), rest.sigma_f.maxCoeff(), 0, 0};
+  if (start.seconds < 10) return std::nullopt;
+  start.gyro_noise = start.gyro_scatter * std::sqrt(inertial.step);
+  start.force_noise = start.force_scatter * std::sqrt(inertial.step);
+  const double under_way = std::max(3.0, fixes.moving);
+  for (std::size_t i = 0; i < fixes.t.size(); ++i) {
+    const double t = fixes.t[i] - delay;
+    if (t < first.to || std::hypot(fixes.v[i][0], fixes.v[i][1]) < under_way) continue;
+    // A drive that begins so much later has not begun with this rest.
+    if (t > first.to + 120) return std::nullopt;
+    const double push = push_off(inertial, first.to, t, (C_vb.row(0) * rest.mean_f).value(), C_vb);
+    return push > 0.5 * under_way ? std::optional(start) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
 /// The strongest frequency of |f| above 2 Hz, by the mean periodogram of stretches of 256 samples [Hz], and its rms.
 std::pair<double, double> strongest(const Inertial& inertial) {
   constexpr std::size_t n = 256;

@@ -27,6 +27,13 @@ Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
+/// Over what there is of (t - near, t + near].
+Vector3d mean_near(const Integral& integral, double t, double near) {
+  double covered = 0;
+  const Vector3d sum = integral.over(t - near, t + near, covered);
+  return covered > 0.1 ? Vector3d(sum / (2 * near * covered)) : Vector3d::Zero();
+}
+
 double gravity_at(const Fixes& fixes, std::size_t i) {
   const Vector3d& p = fixes.p[i];
   if (!std::isfinite(p[0]) || std::abs(p[0]) > 1.5708) return 9.80665;
@@ -35,7 +42,7 @@ double gravity_at(const Fixes& fixes, std::size_t i) {
 
 }  // namespace
 
-Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length) {
+Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length, double near) {
   const Integral turns(inertial.t, inertial.w, inertial.step), pushes(inertial.t, inertial.f, inertial.step);
   std::size_t before = 0;
   double last_end = -1e300;
@@ -52,7 +59,11 @@ Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, dou
                       fixes.v[i],
                       pieces_.size(),
                       0,
-                      0};
+                      0,
+                      mean_near(turns, fixes.t[a] - delay, near),
+                      mean_near(turns, fixes.t[i] - delay, near),
+                      mean_near(pushes, fixes.t[a] - delay, near),
+                      mean_near(pushes, fixes.t[i] - delay, near)};
     interval.sink = interval.u[2];
     interval.u[2] -= gravity_at(fixes, i) * dt;
     const int count = static_cast<int>(std::ceil(dt / piece_length));
@@ -91,19 +102,6 @@ void Windows::cut(double length, double least_speed) {
   }
 }
 
-Vector3d Windows::rate_at_begin(std::size_t i) const {
-  const Piece& piece = pieces_[intervals_[i].first];
-  return follows_[i] && i > 0 ? rate_at_end(i - 1) : Vector3d(piece.turn / piece.dt);
-}
-
-Vector3d Windows::rate_at_end(std::size_t i) const {
-  const Piece& piece = pieces_[intervals_[i].end - 1];
-  const Vector3d before = piece.turn / piece.dt;
-  if (i + 1 >= intervals_.size() || !follows_[i + 1]) return before;
-  const Piece& next = pieces_[intervals_[i + 1].first];
-  return 0.5 * (before + next.turn / next.dt);
-}
-
 Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3d& bias) const {
   Matrix3d C = Matrix3d::Identity(), B = Matrix3d::Zero();
   double squares = 0;
@@ -111,14 +109,14 @@ Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3
   const Window& w = windows_[window];
   for (std::size_t i = w.first; i < w.end; ++i) {
     Vector3d s = Vector3d::Zero();
-    if (has_lever_arm) s -= C * Vector3d(X * (rate_at_begin(i) - bias)).cross(lever_arm_);
+    if (has_lever_arm) s -= C * Vector3d(X * (intervals_[i].rate_begin - bias)).cross(lever_arm_);
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (X * (pieces_[k].turn - bias * pieces_[k].dt));
       C = C * turned(half);
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
-    if (has_lever_arm) s += C * Vector3d(X * (rate_at_end(i) - bias)).cross(lever_arm_);
+    if (has_lever_arm) s += C * Vector3d(X * (intervals_[i].rate_end - bias)).cross(lever_arm_);
     B += intervals_[i].u * s.transpose();
     squares += intervals_[i].u.squaredNorm() + s.squaredNorm();
   }
@@ -156,8 +154,10 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
-    step.rate_begin = rate_at_begin(i) - bias;
-    step.rate_b = rate_at_end(i) - bias;
+    step.rate_begin = intervals_[i].rate_begin - bias;
+    step.rate_b = intervals_[i].rate_end - bias;
+    step.force_begin = intervals_[i].force_begin;
+    step.force_b = intervals_[i].force_end;
     s += C * step.rate_b.cross(lever_arm_) - step.C_nb * step.rate_begin.cross(lever_arm_);
     step.C_nb = C;
     B += intervals_[i].u * s.transpose();

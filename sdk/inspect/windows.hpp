@@ -14,8 +14,8 @@ namespace binnacle::inspect {
 
 class Windows {
  public:
-  /// delay: a fix at label t belongs to t - delay of the IMU.
-  Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length);
+  /// delay: a fix at label t belongs to t - delay of the IMU. near: what the antenna's motion at a fix is a mean over, on both sides [s].
+  Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length, double near = 0.1);
   /// From the sensor to the antenna, in the sensor's axes [m]; follow() then takes its motion off.
   void set_lever_arm(const Vector3d& lever_arm) { lever_arm_ = lever_arm; }
 
@@ -38,11 +38,12 @@ class Windows {
     Matrix3d C_nb;    // at its end
     Vector3d left;    // m/s
     double doubt;     // how much less certain than usual the receiver states its velocity to be, at least 1
-    Vector3d rate_b;  // mean over its last tenth, less bias [rad/s]
+    Vector3d rate_b;  // mean near its end, less bias [rad/s]
     Vector3d rate_begin;
     Matrix3d C_begin;
     double sink;    // difference of the velocity down, as the receiver has it [m/s]
     Vector3d push;  // sum of specific force, turned: what the difference of velocity less gravity is to be [m/s]
+    Vector3d force_b = Vector3d::Zero(), force_begin = Vector3d::Zero();  // as the rates [m/s^2]
   };
   std::vector<Step> follow(std::size_t window, const Vector3d& bias) const;
 
@@ -57,14 +58,12 @@ class Windows {
     Vector3d u, v;           // difference of velocity less gravity; velocity at the end
     std::size_t first, end;  // pieces
     double sink = 0;
+    Vector3d rate_begin, rate_end, force_begin, force_end;  // means near both ends
   };
   struct Window {
     std::size_t first, end;
     double top_speed;
   };
-  /// At an instant between two intervals: the mean of the tenths of a second on both sides.
-  Vector3d rate_at_begin(std::size_t interval) const;
-  Vector3d rate_at_end(std::size_t interval) const;
   void cut(double length, double least_speed);
 
   Vector3d lever_arm_ = Vector3d::Zero();

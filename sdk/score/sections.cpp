@@ -152,6 +152,13 @@ void read_metrics(const CompositionDraft& draft, ScorePlan& plan) {
 /// "fixed_interval", or an object with a type; nothing where something is wrong.
 std::optional<SmoothingPlan> read_type_of_smoother(const Reader& at) {
   const bool is_object = at.is_object();
+  // A yes or no is the likely guess: what there is to choose from.
+  if (const std::string shown = at.shown(); shown == "true" || shown == "false") {
+    at.error("B006", "'smoother' is \"fixed_interval\" or an object with a type; found " + shown +
+                         (shown == "true" ? "; did you mean \"fixed_interval\"? (smoothers: fixed_interval, fixed_lag)"
+                                          : "; without a smoother, leave the key out"));
+    return {};
+  }
   if (is_object && !at["type"]) at.check_keys({"type", "iterations", "lag", "every"}, "'smoother'");
   if (is_object && !at.require("type", "smoother", "\"fixed_interval\" or \"fixed_lag\"")) return {};
   const Reader type_at = is_object ? at["type"] : at;

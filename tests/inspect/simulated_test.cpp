@@ -2,6 +2,7 @@
 // Signs of delay, lever arm, mounting, axes and vertical velocity against a simulated drive without noise.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include <Eigen/Dense>
@@ -214,4 +215,48 @@ TEST_CASE("inspect: what is proposed for a receiver's file states where its time
   const auto proposal = propose(inspect({imu, gnss}), "/", "");
   CHECK(proposal.config.at("sources").at("gnss").at("week") == 0);
   CHECK_FALSE(proposal.config.at("sources").at("imu").contains("week"));
+}
+
+TEST_CASE("inspect: a drive too short for the lever arm says so, and proposes zeros") {
+  Channel imu = imu_of(Matrix3d::Identity()), gnss = gnss_of(Vector3d(1.5, -0.6, -0.9));
+  // White errors of 0.3 m/s: no turn shows a lever arm through these.
+  std::uint32_t state = 1;
+  const auto noise = [&] {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += (state = state * 1664525u + 1013904223u) / 4294967296.0;
+    return 0.3 * sum;
+  };
+  for (std::size_t k = 3; k < 6; ++k)
+    for (double& value : gnss.fields[k].values) value += noise();
+  cut(imu, 170);
+  cut(gnss, 170);
+  imu.path = "/imu.csv", gnss.path = "/gnss.csv";
+  const auto inspection = inspect({imu, gnss});
+  const Finding* const forward = find(inspection, "lever_arm", "forward");
+  REQUIRE(forward);
+  INFO(forward->text);
+  CHECK(forward->severity == Severity::unknown);
+  CHECK(std::abs(forward->value - 1.5) < 3 * forward->sigma);
+  const auto proposal = propose(inspection, "/", "");
+  CHECK(proposal.config.at("filters").at("ins").at("derived").at("antenna").at("lever_arm")[0] == 0);
+}
+
+TEST_CASE(
+    "inspect: what is proposed has a gate, the antenna's place, and noises and levelling of the rest at the begin") {
+  Channel imu = imu_of(Matrix3d::Identity()), gnss = gnss_of(Vector3d(1.5, -0.6, -0.9));
+  imu.path = "/imu.csv", gnss.path = "/gnss.csv";
+  for (std::size_t i = 0; i < imu.t.size(); ++i)
+    for (std::size_t k = 0; k < 6; ++k) imu.fields[k].values[i] += (k < 3 ? 0.02 : 0.3) * (i % 2 ? 1 : -1);
+  const auto proposal = propose(inspect({imu, gnss}), "/", "");
+  const Json& ins = proposal.config.at("filters").at("ins");
+  CHECK(ins.at("measurements").at("fix").at("gate") == 0.9999);
+  CHECK(ins.at("derived").at("antenna").at("lever_arm")[0].get<std::string>().starts_with("1."));
+  CHECK(ins.at("derived").at("antenna_velocity").at("lever_arm") == ins.at("derived").at("antenna").at("lever_arm"));
+  // 0.02 rad/s at 100 Hz, and 0.3 m/s^2.
+  CHECK(ins.at("process").at("strapdown").at("gyro_noise") == "0.002 rad/s/sqrt(Hz)");
+  CHECK(ins.at("process").at("strapdown").at("accel_noise") == "0.03 m/s^2/sqrt(Hz)");
+  const Json& alignment = proposal.config.at("transforms").at("alignment");
+  CHECK(alignment.at("type") == "coarse_alignment");
+  CHECK(alignment.at("heading") == "course");
+  CHECK(alignment.contains("max_specific_force_sd"));
 }

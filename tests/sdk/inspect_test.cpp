@@ -232,3 +232,41 @@ TEST_CASE("inspect: of lines of several kinds none is taken for a sensor's") {
   CHECK_FALSE(has(outcome.out, "wx ["));
   CHECK_FALSE(has(outcome.out, "invalid_rows"));
 }
+
+TEST_CASE("inspect: a config's lever arm is compared with what turning shows, in the filter's axes") {
+  const Workbench bench;
+  const std::string config = R"({"binnacle": 1, "sources": {"drive": {"type": "vehicle_simulator", "imu_kind": "rate",
+      "start": {"lat": "48 deg", "lon": "11 deg", "height": "500 m", "heading": "30 deg"},
+      "segments": [{"do": "still", "duration": "20 s"}, {"do": "accelerate", "to": "12 m/s", "acceleration": "1.5 m/s^2"},
+        {"do": "turn", "angle": "90 deg", "rate": "15 deg/s"}, {"do": "turn", "angle": "-120 deg", "rate": "-12 deg/s"},
+        {"do": "accelerate", "to": "6 m/s", "acceleration": "-1.5 m/s^2"}, {"do": "turn", "angle": "170 deg", "rate": "25 deg/s"},
+        {"do": "accelerate", "to": 0, "acceleration": "-2 m/s^2"}], "repeat": 4, "roll_gradient": "4 deg/g",
+      "gnss": {"velocity_sigma": "0.03 m/s", "lever_arm": ["-1.2 m", "0.3 m", "-0.8 m"]}}},
+    "transforms": {"turned": {"type": "rotate_axes", "input": "drive.imu", "yaw": "90 deg"}},
+    "filters": {"ins": {"process": {"strapdown": {"input": "turned"}},
+      "derived": {"antenna": {"type": "lever_arm", "lever_arm": [X, "-1.2 m", "-0.8 m"]},
+                  "axle": {"type": "lever_arm_velocity", "lever_arm": [9, 9, 9]}},
+      "measurements": {"fix": {"channel": "drive.gnss", "stack": {"position": {"blocks": {"position": "antenna"}}}},
+                       "nhc": {"channel": "drive.truth", "blocks": {"velocity": "axle"}}}}}})";
+  const auto looked_at = [&](const std::string& x) {
+    std::string text = config;
+    bench.write("drive.json", text.replace(text.find('X'), 1, x));
+    const auto outcome = inspect(bench, {"drive.json", "--json"});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    std::vector<json> found;
+    for (const json& each : json::parse(outcome.out).at("findings"))
+      if (each.at("kind") == "stated_lever_arm") found.push_back(each);
+    return found;
+  };
+  // yaw of 90 deg: x' = -y, y' = x. What no fix is bound to is not compared.
+  const auto right = looked_at(R"("-0.3 m")");
+  REQUIRE(right.size() == 1);
+  INFO(right[0].at("text"));
+  CHECK(right[0].at("severity") == "finding");
+  const auto wrong = looked_at("3.7");
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong[0].at("severity") == "warning");
+  CHECK(wrong[0].at("value").get<double>() > 3);
+  CHECK(has(wrong[0].at("text"), "/filters/ins/derived/antenna has [3.70, -1.20, -0.80] m"));
+}

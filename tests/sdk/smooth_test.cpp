@@ -81,6 +81,8 @@ TEST_CASE("what a smoother cannot be is refused with the likely intent") {
   refused("/filters/ins/smoother=fixed_intervals", "did you mean 'fixed_interval'?");
   refused(R"(/filters/ins/smoother={"typ": "fixed_interval"})", "did you mean 'type'?");
   refused("/filters/ins/smoother=3", "/filters/ins/smoother");
+  refused("/filters/ins/smoother=true", "did you mean \"fixed_interval\"? (smoothers: fixed_interval, fixed_lag)");
+  refused("/filters/ins/smoother=false", "leave the key out");
   refused("/filters/ins/smoother=fixed_lag", "a fixed lag needs its times");
   refused(R"(/filters/ins/smoother={"type": "fixed_lag"})", "missing key 'lag'");
   refused(R"(/filters/ins/smoother={"type": "fixed_lag", "lag": "5 s", "every": "0 s"})",

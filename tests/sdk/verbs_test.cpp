@@ -35,6 +35,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 TEST_CASE("a wrong command line is exit status 2, with what was meant") {
   const Workbench bench;
   is_usage_error(bench, {"rnu", "good.json"}, "error: unknown verb 'rnu'; did you mean 'run'?");
+  is_usage_error(bench, {"smooth", "good.json"}, "error: unknown verb 'smooth'; did you mean 'run CONFIG --smooth'?");
   is_usage_error(bench, {"run", "good.json", "--sumary", "x"},
                  "error: unknown option '--sumary'; did you mean '--summary'?");
   is_usage_error(bench, {"run", "--sumary=x"}, "error: unknown option '--sumary'; did you mean '--summary'?");
@@ -45,6 +46,18 @@ TEST_CASE("a wrong command line is exit status 2, with what was meant") {
   const auto nothing = binnacle::test::binnacle(bench, {});
   CHECK(nothing.status == 2);
   CHECK(has(nothing.err, "explain"));
+}
+
+TEST_CASE("data in place of a config: the verb that takes data is named") {
+  const Workbench bench;
+  bench.write("imu.csv", "t,wx\n0,1\n");
+  bench.write("broken.json", "t");
+  const auto data = binnacle::test::binnacle(bench, {"run", "imu.csv"});
+  INFO(data.err);
+  CHECK(data.status == 3);
+  CHECK(has(data.err, "imu.csv:1:1: error[B001]"));
+  CHECK(has(data.err, "'binnacle inspect imu.csv --write my.json'"));
+  CHECK_FALSE(has(binnacle::test::binnacle(bench, {"run", "broken.json"}).err, "inspect"));
 }
 
 TEST_CASE("--help is no error, and names only what there is") {

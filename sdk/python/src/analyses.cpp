@@ -14,6 +14,7 @@
 #include "covariance_text.hpp"
 #include "errors.hpp"
 #include "inspect/inspect.hpp"
+#include "inspect_lever_arms.hpp"
 #include "inspect_sources.hpp"
 #include "inspect_text.hpp"
 #include "interrupt.hpp"
@@ -168,12 +169,14 @@ py::dict allan_of(const Loaded& loaded, const std::string& channel_name, double 
   return dict;
 }
 
-py::dict inspected(const std::function<std::vector<inspect::Channel>(const GoesOn&)>& channels) {
+py::dict inspected(const std::function<std::vector<inspect::Channel>(const GoesOn&)>& channels,
+                   const std::vector<inspect::StatedLeverArm>& stated = {}) {
   std::optional<inspect::Inspection> inspection;
   interruptibly([&](const GoesOn& goes_on) {
     auto all = channels(goes_on);
     if (goes_on()) inspection = inspect::inspect(std::move(all));
   });
+  inspect::compare_lever_arms(stated, *inspection);
   return figures_and_text(inspect::to_json(*inspection), command::inspection_text(*inspection));
 }
 
@@ -182,9 +185,10 @@ py::dict inspected_files(const std::vector<std::string>& files, const Loaded& lo
 }
 
 py::dict inspected_config(const Loaded& loaded) {
-  return inspected([&](const GoesOn& goes_on) {
+  const auto channels = [&](const GoesOn& goes_on) {
     return command::channels_of_config(loaded.path.string(), loaded.options, goes_on);
-  });
+  };
+  return inspected(channels, command::stated_lever_arms(loaded.path.string(), loaded.options));
 }
 
 Loaded smoothed(const Loaded& loaded) {

@@ -52,6 +52,8 @@ struct Channel {
     return nullptr;
   }
   bool is_inertial() const { return find("wx") && find("wy") && find("wz") && find("fx") && find("fy") && find("fz"); }
+  /// By its name: "truth", "reference_position". It is what others are judged by, and no fix for a filter.
+  bool is_reference() const { return name.find("truth") != std::string::npos || name.starts_with("reference"); }
   bool is_fix() const { return (find("lat") && find("lon")) || (find("vn") && find("ve")); }
 };
 

@@ -22,6 +22,7 @@ struct Finding {
   std::string channel;  // "imu", or "imu, gnss" between two
   std::string field;    // "wx"; several: "wx, wy, wz"; empty: the channel
   double value = std::numeric_limits<double>::quiet_NaN();
+  double sigma = std::numeric_limits<double>::quiet_NaN();  // of the value, where it is estimated with one
   std::string unit;
   std::string text;                                        // a sentence, with the figure
   std::string evidence;                                    // what it was seen by
