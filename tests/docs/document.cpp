@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "document.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -8,6 +9,15 @@
 #include <stdexcept>
 
 namespace binnacle::test {
+
+namespace {
+
+std::string file_named_in(const std::string& line) {
+  const std::string mark = "<!-- file: ", end = " -->";
+  return line.rfind(mark, 0) == 0 ? line.substr(mark.size(), line.size() - mark.size() - end.size()) : "";
+}
+
+}  // namespace
 
 std::filesystem::path in_project(const std::string& path) {
   return std::filesystem::path(BINNACLE_TEST_PROJECT) / path;
@@ -41,12 +51,16 @@ std::vector<Fence> MarkdownFile::fences() const {
   std::vector<Fence> found;
   std::istringstream stream(text_);
   bool is_inside = false;
-  for (std::string line; std::getline(stream, line);) {
-    if (line.rfind("```", 0) == 0) {
+  std::size_t indent = 0;
+  std::string before;
+  for (std::string line; std::getline(stream, line); before = line) {
+    const std::size_t at = std::min(line.find_first_not_of(' '), line.size());
+    if (line.compare(at, 3, "```") == 0) {
       is_inside = !is_inside;
-      if (is_inside) found.push_back({line.substr(3), {}});
+      indent = at;
+      if (is_inside) found.push_back({line.substr(at + 3), file_named_in(before), {}});
     } else if (is_inside) {
-      found.back().lines.push_back(line);
+      found.back().lines.push_back(line.substr(std::min(at, indent)));
     }
   }
   return found;

@@ -10,7 +10,8 @@ namespace binnacle::test {
 
 struct Fence {
   std::string language;
-  std::vector<std::string> lines;
+  std::string file;                // that the line before it names, "<!-- file: PATH -->"; else ""
+  std::vector<std::string> lines;  // less the indentation of a fence in a list
 
   std::string text() const;
 };

@@ -13,32 +13,6 @@ namespace {
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
-/// A fence and the file that the line before it names: `<!-- file: PATH -->`; "" where it names none.
-struct Snippet {
-  std::string file;
-  std::string text;
-};
-
-std::vector<Snippet> snippets_of(const MarkdownFile& document) {
-  const std::string mark = "<!-- file: ", end = " -->";
-  std::vector<Snippet> found;
-  std::istringstream stream(document.text());
-  bool is_inside = false;
-  std::string before;
-  for (std::string line; std::getline(stream, line); before = line) {
-    if (line.rfind("```", 0) == 0) {
-      is_inside = !is_inside;
-      if (is_inside && before.rfind(mark, 0) == 0)
-        found.push_back({before.substr(mark.size(), before.size() - mark.size() - end.size()), ""});
-      else if (is_inside)
-        found.push_back({"", ""});
-    } else if (is_inside) {
-      found.back().text += line + "\n";
-    }
-  }
-  return found;
-}
-
 const std::vector<std::string> guides{"sdk/docs/write-a-block.md",
                                       "sdk/docs/write-a-process-model.md",
                                       "sdk/docs/write-a-measurement-model.md",
@@ -75,14 +49,14 @@ int lines_of_code(const std::string& path) {
 
 TEST_CASE("every snippet of a guide is part of a file that is built") {
   for (const auto& path : guides) {
-    const auto snippets = snippets_of(MarkdownFile(path));
+    const auto snippets = MarkdownFile(path).fences();
     INFO(path);
     CHECK_FALSE(snippets.empty());
     for (const auto& snippet : snippets) {
-      INFO("from '" << snippet.file << "':\n" << snippet.text);
+      INFO("from '" << snippet.file << "':\n" << snippet.text());
       REQUIRE(is_built(snippet.file));
-      CHECK_FALSE(snippet.text.empty());
-      CHECK(text_of(in_project(snippet.file)).find("\n" + snippet.text) != std::string::npos);
+      CHECK_FALSE(snippet.lines.empty());
+      CHECK(text_of(in_project(snippet.file)).find("\n" + snippet.text()) != std::string::npos);
     }
   }
 }

@@ -1,24 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page_session.hpp"
 
-#include <filesystem>
+#include <algorithm>
+#include <optional>
 #include <regex>
 #include <sstream>
 
-#include "../recorded_data.hpp"
 #include "project_folder.hpp"
+#include "typed_elsewhere.hpp"
 
 namespace binnacle::test {
 
 namespace {
 
-const std::string shared = "../shared/data";
 const std::string mark = "@@@ ";
 
 struct Command {
   std::string line;
   int status = 0;
 };
+
+/// What a session types for it: see page_session.hpp.
+std::string typed_for(const Command& command) {
+  static const std::regex study(R"(^binnacle study configs/\S+)"), runs(R"( --runs \d+)"),
+      takes_long("^binnacle (study|covariance|tune) configs/");
+  if (!std::regex_search(command.line, takes_long)) return command.line;
+  std::string line = command.line;
+  if (std::regex_search(line, study))
+    line = std::regex_replace(std::regex_replace(line, runs, ""), study, "$& --runs 1");
+  // 124 is the status of `timeout` where it stopped the command.
+  const std::string status = std::to_string(command.status);
+  return "timeout --signal=INT 10 " + line + "; s=$?; (exit $((s == 124 ? " + status + " : s)))";
+}
 
 /// Lines of a fence, those that end in a backslash joined with the next, without comments.
 std::vector<Command> commands_of(const std::vector<std::string>& lines) {
@@ -39,6 +52,8 @@ std::vector<Command> commands_of(const std::vector<std::string>& lines) {
   }
   return commands;
 }
+
+bool is_typed(const Fence& fence) { return fence.language == "sh" && fence.file.empty(); }
 
 bool is_shown(const Fence& fence) {
   return fence.language == "text" && !fence.lines.empty() && fence.lines.front().rfind("$ ", 0) == 0;
@@ -64,6 +79,7 @@ class Session {
 
   SessionResult result() {
     write_script();
+    if (steps_.empty()) return {{}, untried_};
     std::string output;
     folder_.run(script_, output);
     return {compare(output), untried_};
@@ -79,22 +95,30 @@ class Session {
 
   void write_script() {
     script_ = "PATH=$PWD/build/release/bin:$PATH\n";
+    if (has_plugin()) script_ += std::string("BINNACLE_PLUGIN_PATH=$BINNACLE_PLUGIN_PATH:'") + DOCS_PLUGINS + "'\n";
     for (const auto& fence : page_.fences()) {
       if (is_shown(fence)) {
         std::string typed;
         bool runs = true;
-        for (auto line : typed_in(fence)) {
+        for (const auto& line : typed_in(fence)) {
           runs = runs && can_run(line);
           typed += line + "\n";
         }
         if (runs) add({typed, printed_in(fence), true, 0});
-      } else if (fence.language == "sh") {
-        for (auto [line, status] : commands_of(fence.lines))
-          if (can_run(line)) add({line, "", false, status});
+      } else if (is_typed(fence)) {
+        for (const auto& command : commands_of(fence.lines))
+          if (can_run(command.line)) add({typed_for(command), "", false, command.status});
       } else if (fence.language == "json") {
         write_file(fence);
       }
     }
+  }
+
+  /// Whether the reader has built a plugin on the page: that of CMakeLists.txt.
+  bool has_plugin() const {
+    const auto code = page_.fences("cpp");
+    return std::any_of(code.begin(), code.end(),
+                       [](const Fence& fence) { return fence.lines.front().rfind("// beacon.cpp: ", 0) == 0; });
   }
 
   void add(const Step& step) {
@@ -110,19 +134,25 @@ class Session {
     if (std::regex_match(fence.lines.front(), found, name)) folder_.write(found[1], fence.text());
   }
 
-  /// False where there are no data for it; otherwise with the data's folder in it.
-  bool can_run(std::string& line) {
-    const auto at = line.find(shared);
-    if (at == std::string::npos) return true;
-    static const std::regex kind(R"(\.\./shared/data/([a-z]+))");
+  /// Whether the README of the config has the same study, and so types it.
+  bool is_in_readme(const std::string& line) const {
+    static const std::regex study(
+        R"(^binnacle (study|covariance) (configs/[a-z_]+)/[a-z0-9_]+\.json( --(runs|jobs|set) \S+)*$)");
     std::smatch found;
-    const bool names_one = std::regex_search(line, found, kind);
-    const auto folder = names_one ? recorded_folder(found[1]) : std::filesystem::path();
-    if (!names_one || !std::filesystem::is_directory(folder)) {
-      untried_.push_back(line);
-      return false;
-    }
-    line.replace(at, static_cast<std::size_t>(found.length()), folder.string());
+    if (!std::regex_match(line, found, study) || page_.folder() == in_project(found[2])) return false;
+    const auto commands = commands_in(MarkdownFile(found.str(2) + "/README.md"));
+    return std::find(commands.begin(), commands.end(), line) != commands.end();
+  }
+
+  /// False where another test types it, and where there are no data for it.
+  bool can_run(const std::string& line) {
+    if (typed_elsewhere(line) || is_in_readme(line)) return false;
+    static const std::regex data(R"(\.\./shared/data(/[a-z]+)?)");
+    for (std::sregex_iterator at(line.begin(), line.end(), data), end; at != end; ++at)
+      if (!folder_.has_folder(at->str())) {
+        untried_.push_back(line);
+        return false;
+      }
     return true;
   }
 
@@ -136,15 +166,34 @@ class Session {
         faults.push_back("the session ended in: " + steps_[k].typed + "\n" + output.substr(from));
         break;
       }
-      const std::string printed = output.substr(from, at - from);
+      const std::string printed = without_folder(output.substr(from, at - from));
       const int status = std::stoi(output.substr(at + here.size()));
       from = output.find('\n', at + here.size()) + 1;
       if (!steps_[k].is_shown && status != steps_[k].status)
         faults.push_back("exit status " + std::to_string(status) + ": " + steps_[k].typed + "\n" + printed);
+      if (!steps_[k].is_shown)
+        if (const auto row = row_not_shown(printed))
+          faults.push_back("prints another row: " + steps_[k].typed + "\n" + *row);
       if (steps_[k].is_shown && without_times(printed) != without_times(steps_[k].expected))
         faults.push_back("prints something else: " + steps_[k].typed + printed);
     }
     return faults;
+  }
+
+  /// Pages show FOLDER for the folder in which the reader types.
+  std::string without_folder(std::string printed) const {
+    const std::string folder = folder_.path().string();
+    for (auto at = printed.find(folder); at != std::string::npos; at = printed.find(folder))
+      printed.replace(at, folder.size(), "FOLDER");
+    return printed;
+  }
+
+  /// A row of a Markdown table that was printed and that the page does not have.
+  std::optional<std::string> row_not_shown(const std::string& printed) const {
+    std::istringstream stream(printed);
+    for (std::string line; std::getline(stream, line);)
+      if (line.rfind("| ", 0) == 0 && ("\n" + page_.text()).find("\n" + line + "\n") == std::string::npos) return line;
+    return std::nullopt;
   }
 
   const MarkdownFile& page_;
@@ -158,13 +207,15 @@ class Session {
 
 SessionResult session_of(const MarkdownFile& page) { return Session(page).result(); }
 
-int commands_in(const MarkdownFile& page) {
-  std::size_t commands = 0;
+std::vector<std::string> commands_in(const MarkdownFile& page) {
+  std::vector<std::string> commands;
   for (const auto& fence : page.fences()) {
-    if (fence.language == "sh") commands += commands_of(fence.lines).size();
-    if (is_shown(fence)) commands += typed_in(fence).size();
+    if (is_typed(fence))
+      for (const auto& command : commands_of(fence.lines)) commands.push_back(command.line);
+    if (is_shown(fence))
+      for (const auto& line : typed_in(fence)) commands.push_back(line);
   }
-  return static_cast<int>(commands);
+  return commands;
 }
 
 }  // namespace binnacle::test

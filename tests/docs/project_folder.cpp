@@ -8,6 +8,7 @@
 
 #include <sys/wait.h>
 
+#include "../recorded_data.hpp"
 #include "document.hpp"
 
 namespace binnacle::test {
@@ -17,22 +18,29 @@ namespace fs = std::filesystem;
 ProjectFolder::ProjectFolder() {
   std::string name = (fs::temp_directory_path() / "binnacle-docs.XXXXXX").string();
   if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-  folder_ = name;
+  above_ = name;
+  folder_ = above_ / "project";
   fs::create_directories(folder_ / "build/release/bin");
   fs::create_symlink(DOCS_COMMAND, folder_ / "build/release/bin/binnacle");
   fs::create_directories(folder_ / "build/release/lib");
   fs::create_symlink(BINNACLE_TEST_PLUGINS, folder_ / "build/release/lib/binnacle");
   fs::create_symlink(DOCS_EMBED, folder_ / "embed");
-  fs::create_symlink(in_project("configs"), folder_ / "configs");
+  // A copy: some commands write beside a config.
+  fs::copy(in_project("configs"), folder_ / "configs", fs::copy_options::recursive);
+  fs::create_symlink(in_project("tests"), folder_ / "tests");
+  fs::create_directories(above_ / "shared");
+  if (const auto data = recorded_folder(""); fs::is_directory(data)) fs::create_symlink(data, above_ / "shared/data");
   for (const auto& block : MarkdownFile("sdk/docs/first-plugin.md").fences("json"))
     if (block.lines.front().rfind("// ranges.json:", 0) == 0) std::ofstream(folder_ / "ranges.json") << block.text();
 }
 
-ProjectFolder::~ProjectFolder() { fs::remove_all(folder_); }
+ProjectFolder::~ProjectFolder() { fs::remove_all(above_); }
+
+bool ProjectFolder::has_folder(const std::string& path) const { return fs::is_directory(folder_ / path); }
 
 int ProjectFolder::run(const std::string& script, std::string& output) const {
   const std::string line = "cd '" + folder_.string() + "' && export NO_COLOR=1 BINNACLE_PLUGIN_PATH='" +
-                           BINNACLE_TEST_PLUGINS + ":" + DOCS_PLUGINS + "' && { " + script + "\n} 2>&1";
+                           BINNACLE_TEST_PLUGINS + "' && { " + script + "\n} 2>&1";
   FILE* pipe = ::popen(line.c_str(), "r");
   if (!pipe) throw std::runtime_error("no shell");
   output.clear();

@@ -47,6 +47,16 @@ for path in $paths; do
   [ -e "$path" ] || fault "an installation lacks $path"
 done
 
+# Its first run, and the completion, of that installation.
+says 'binnacle run /usr/share/binnacle/configs/quickstart.json'
+bin/binnacle run share/binnacle/configs/quickstart.json >"$scratch/log" 2>&1 || fault "binnacle run: $(tail -n 3 "$scratch/log")"
+says 'source PREFIX/share/bash-completion/completions/binnacle'
+if [ -e share/bash-completion/completions/binnacle ]; then
+  # shellcheck source=/dev/null
+  (source share/bash-completion/completions/binnacle && complete -p binnacle) >"$scratch/log" 2>&1 || fault "completion: $(cat "$scratch/log")"
+fi
+
+says 'apt-get purge binnacle'
 says 'xargs rm < build/release/install_manifest.txt'
 xargs rm <"$scratch/manifest"
 left=$(find "$scratch/prefix" -type f)
