@@ -207,7 +207,7 @@ TEST_CASE("a checkpoint of something else, or a torn one, is refused with the re
     CHECK(text.find(part) != std::string::npos);
   };
   has(refusal({"quickstart", {"/filters/ins/measurements/fix/gate=0.99"}}, kept), "another config");
-  has(refusal(from, kept, 2), "of seed 1, run 0, and this is seed 2, run 0");
+  has(refusal(from, kept, 2), "belongs to seed 1, run 0, and this is seed 2, run 0");
   has(refusal(from, {kept.begin(), kept.begin() + 20}), "incomplete");
   has(refusal(from, {kept.begin(), kept.end() - 1}), "damaged");
   has(refusal(from, Bytes(200)), "not a checkpoint");
