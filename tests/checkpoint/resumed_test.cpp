@@ -207,10 +207,10 @@ TEST_CASE("a checkpoint of something else, or a torn one, is refused with the re
     CHECK(text.find(part) != std::string::npos);
   };
   has(refusal({"quickstart", {"/filters/ins/measurements/fix/gate=0.99"}}, kept), "another config");
-  has(refusal(from, kept, 2), "of seed 1, run 0, and this is seed 2, run 0");
+  has(refusal(from, kept, 2), "belongs to seed 1, run 0, and this is seed 2, run 0");
   has(refusal(from, {kept.begin(), kept.begin() + 20}), "incomplete");
   has(refusal(from, {kept.begin(), kept.end() - 1}), "damaged");
-  has(refusal(from, Bytes(200)), "no checkpoint");
+  has(refusal(from, Bytes(200)), "not a checkpoint");
   for (const std::size_t at : {std::size_t{200}, kept.size() / 2, kept.size() - 1}) {
     Bytes flipped = kept;
     flipped[at] ^= std::byte{4};

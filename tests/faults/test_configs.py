@@ -280,7 +280,7 @@ def test_too_many_states(binnacle, bench):
     ({"record": {"every": "-1 s"}}, "B009", "'every' is a time of at least 0 s"),
     ({"evaluate": {"after": "10 s", "until": "5 s"}}, "B024", "'until' is not later than 'after'"),
     ({"evaluate": {"after": "start+10 s", "until": "start+10 s"}}, "B024", "'until' is not later than 'after'"),
-    ({"evaluate": {"after": "200 a"}}, "B024", "no time"),
+    ({"evaluate": {"after": "200 a"}}, "B024", "not a time"),
     ({"evaluate": {"after": 5e9}}, "B024", "beyond 146 years"),
 ])
 def test_sections_without_sense(binnacle, bench, more, code, words):

@@ -249,8 +249,8 @@ class Live(unittest.TestCase):
         self.assert_same(out, err)
 
     def test_what_is_no_good_is_reported_and_not_fatal(self):
-        bad = {'{"channel": "imu", "t": 1': "no JSON object",
-               "[1, 2]": "no JSON object",
+        bad = {'{"channel": "imu", "t": 1': "not a JSON object",
+               "[1, 2]": "not a JSON object",
                '{"t": 3, "wx": 1}': 'its "channel" is missing',
                '{"channel": "imux", "t": 3}': "there is no channel 'imux'",
                '{"channel": "imu", "wx": 1}': "it has no time 't'",
@@ -258,7 +258,7 @@ class Live(unittest.TestCase):
                '{"channel": "imu", "t": 1e40, "wx": 1}': "its time is out of range",
                '{"channel": "gnss", "t": 3}': "it has none of its channel's fields",
                '{"channel": "gnss", "t": 0.5, "lat": null, "lon": 1}': "a field is missing, or is not a number",
-               "\x00\xff garbage \x07": "no JSON object"}
+               "\x00\xff garbage \x07": "not a JSON object"}
         lines = list(self.lines)
         for index, line in enumerate(bad):
             lines.insert(1000 * (index + 1), line)
