@@ -255,7 +255,8 @@ TEST_CASE("inspect: a config's lever arm is compared with what turning shows, in
     INFO(outcome.err);
     REQUIRE(outcome.status == 0);
     std::vector<json> found;
-    for (const json& each : json::parse(outcome.out).at("findings"))
+    const json report = json::parse(outcome.out);
+    for (const json& each : report.at("findings"))
       if (each.at("kind") == "stated_lever_arm") found.push_back(each);
     return found;
   };
