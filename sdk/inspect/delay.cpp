@@ -34,7 +34,7 @@ std::vector<CourseStep> course_steps(const Fixes& fixes) {
   return steps;
 }
 
-Turning turning_of(const Integral& rates, const std::vector<CourseStep>& steps, double delay) {
+Turning turning_of(const Integral& rates, const std::vector<CourseStep>& steps, double delay, const Vector3d& up) {
   Eigen::MatrixXd X(static_cast<Eigen::Index>(steps.size()), 4);
   Eigen::VectorXd y(static_cast<Eigen::Index>(steps.size()));
   Eigen::Index n = 0;
@@ -54,6 +54,12 @@ Turning turning_of(const Integral& rates, const std::vector<CourseStep>& steps, 
   turning.bias = fit.beta[3];
   turning.explained = fit.explained;
   turning.is_known = fit.explained > 0.5;
+  Eigen::MatrixXd vertical(n, 2);
+  vertical << X.topLeftCorner(n, 3) * up.normalized(), X.col(3).head(n);
+  if (const LinearFit held = robust_fit(vertical, y.head(n)); held.explained > 0.5) {
+    turning.along_gravity = std::abs(held.beta[0]);
+    turning.along_gravity_error = held.standard_error[0];
+  }
   return turning;
 }
 
@@ -113,8 +119,8 @@ Peak search(const Integral& rates, const std::vector<CourseStep>& steps, double 
 
 }  // namespace
 
-Turning turning_at(const Integral& rates, const Fixes& fixes, double delay) {
-  return turning_of(rates, course_steps(fixes), delay);
+Turning turning_at(const Integral& rates, const Fixes& fixes, double delay, const Vector3d& up) {
+  return turning_of(rates, course_steps(fixes), delay, up);
 }
 
 std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes,

@@ -98,8 +98,8 @@ double ask_force_unit(const Channel& channel, Inertial& inertial, Findings& find
 
 double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& turning, Findings& findings) {
   const Field& field = *channel.find("wx");
-  const double size = turning.axis.norm();
-  const double error = turning.axis.cwiseProduct(turning.axis_error).norm() / std::max(size * size, 1e-300);
+  double size = turning.axis.norm();
+  double error = turning.axis.cwiseProduct(turning.axis_error).norm() / std::max(size * size, 1e-300);
   if (!turning.is_known || error > 0.15) {
     Finding found;
     found.kind = "rate_unit";
@@ -122,7 +122,12 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
                                    {"rad", "increment", 1 / step},
                                    {"deg", "increment", deg / step}};
   const double claimed = field.scale / (field.kind == FieldKind::increment ? step : 1);
-  const Candidate* const best = nearest(all, claimed * size, 0.15);
+  const Candidate* best = nearest(all, claimed * size, 0.15);
+  if (!best && turning.along_gravity > 0) {
+    size = turning.along_gravity;
+    error = turning.along_gravity_error / size;
+    best = nearest(all, claimed * size, 0.15);
+  }
   const std::string evidence =
       fmt::format("course rate is {} +- {} times the stated rate about the vertical, over {} intervals", figure(size),
                   figure(error * size), turning.used);

@@ -138,7 +138,10 @@ class Pair {
       decide_down(0, Vector3d::Zero(), false);
       return;
     }
-    const Turning turning = turning_at(Integral(inertial_.t, inertial_.w, inertial_.step), fixes_, *coarse);
+    Vector3d up = Vector3d::Zero();
+    for (const auto& f : inertial_.f)
+      if (f.allFinite()) up += f;
+    const Turning turning = turning_at(Integral(inertial_.t, inertial_.w, inertial_.step), fixes_, *coarse, up);
     const double factor = ask_rate_unit(imu_, inertial_, turning, findings);
     rest_ = find_rest(inertial_, &fixes_, *coarse);
     ask_rest(imu_, inertial_, rest_, findings);

@@ -71,9 +71,12 @@ struct Turning {
   Vector3d axis = Vector3d::Zero(), axis_error = Vector3d::Zero();
   double bias = 0, explained = 0;
   std::size_t used = 0;
+  /// The same factor with the axis held along gravity; 0: that explains less than half. A car leans as its rate of turn changes, so an
+  /// error of the delay makes the fitted axis lean, and longer than it is. Where triads differ, only the fitted axis is right.
+  double along_gravity = 0, along_gravity_error = 0;
 };
-/// Where fixes are `delay` late against the labels of the IMU.
-Turning turning_at(const Integral& rates, const Fixes& fixes, double delay);
+/// Where fixes are `delay` late against the labels of the IMU. up: mean specific force, any length.
+Turning turning_at(const Integral& rates, const Fixes& fixes, double delay, const Vector3d& up);
 /// The clocks: a coarse delay by turning. Nothing where the data show none.
 std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes,
                                  double label_difference, Findings& findings, std::vector<Plot>& plots);
