@@ -241,7 +241,7 @@ int drive_restored(const char* config, const char* plugin) {
 
   memset(snapshot, 7, 16);
   CHECK(binnacle_restore(one, snapshot, size) == BINNACLE_CONFIG);
-  CHECK(strstr(binnacle_last_error(), "these bytes are no snapshot") != NULL);
+  CHECK(strstr(binnacle_last_error(), "these bytes are not a snapshot") != NULL);
   CHECK(binnacle_restore(one, snapshot, 3) == BINNACLE_CONFIG);
   CHECK(binnacle_snapshot(one, snapshot, size - 1) == BINNACLE_USAGE);
   again.count = 0;

@@ -64,7 +64,7 @@ TEST_CASE("export writes each format beside the results, says what is in it, and
   CHECK(text.status == 0);
   CHECK(text.out == "here.gpx: 972 records of filter 'ins', of 972\n");
   CHECK(contains(text.err, "note: the file has no times: the run does not give the origin of its time"));
-  CHECK(contains(text.err, "note: the file has no heights: gpx has those above the sea"));
+  CHECK(contains(text.err, "note: the file has no heights: gpx needs heights above sea level"));
   const auto piped = results.to("csv", {"-o", "/dev/stdout", "--columns", "position", "--every", "971"});
   CHECK(piped.status == 0);
   CHECK(piped.out.starts_with("t[s],position.lat[deg],position.lon[deg],position.height[m]\n0,48.13"));

@@ -151,7 +151,7 @@ TEST_CASE("KML is well-formed, in the order longitude, latitude, and in UTC") {
   CHECK(contains(result.text, "a &lt;drive&gt; &amp; &quot;more&quot;"));
   CHECK(contains(result.text, "clampToGround"));
   REQUIRE(result.notes.size() == 1);
-  CHECK(contains(result.notes[0], "the file has no heights: kml has those above the sea"));
+  CHECK(contains(result.notes[0], "the file has no heights: kml needs heights above sea level"));
   CHECK(result.time->from == "/sources/gnss/week of the run's config");
   const auto high = made(run, Format::kml, [](Request& request) { request.geoid_separation = 22.5; });
   CHECK(contains(high.text, "<altitudeMode>absolute</altitudeMode>"));
