@@ -144,5 +144,5 @@ TEST_CASE("observe: windows that mean nothing are usage errors, with what there 
   refused("3 m:", "unit 'm' is not a time");
   const auto later = binnacle::test::binnacle(bench, {"observe", "c.json", "--window", "100:200"});
   CHECK(later.status == 0);
-  CHECK(later.out.find("Filter ins was in none of the windows") != std::string::npos);
+  CHECK(later.out.find("Filter ins is in none of the windows") != std::string::npos);
 }

@@ -275,7 +275,7 @@ TEST_CASE("sensors: axes, signs, scales, ticks, and times by the order of messag
   CHECK(near(ins["wx"], 1.5 * degree));
   CHECK(near(ins["ax"], 1.23));
   CHECK(near(ins["az"], -0.05));
-  CHECK(r.has_reported("times of ESF-MEAS are put on GPS time by their order among the epochs"));
+  CHECK(r.has_reported("times of ESF-MEAS are converted to GPS time by their order among the epochs"));
 }
 
 TEST_CASE("gzipped, and what is cut there") {

@@ -198,7 +198,7 @@ TEST_CASE("gyros and accelerometers with wrong axes, signs and scales are named"
   CHECK(has(words([](Turns& increment) { increment.head<3>() *= 1.2; }), "are 1.2 times those of the course"));
   CHECK(has(words([](Turns& increment) { increment.head<3>() *= 57.3; }), "are 57.3 times those of the course"));
   CHECK(has(words([](Turns& increment) { std::swap(increment[3], increment[4]); }),
-            "ahead along +'fy', to the right along +'fx'"));
+            "forward acceleration along +'fy', to the right along +'fx'"));
   CHECK(has(words([](Turns& increment) { increment[4] *= -1; }), "left-handed"));
   CHECK(has(words([](Turns& increment) { increment.tail<3>() /= 9.81; }), "0.102 times gravity"));
 }
@@ -236,7 +236,7 @@ TEST_CASE("a sensor mounted askew is named where a measurement takes its x axis 
     if (std::abs(angle) < 0.1) continue;
     CHECK(has(all, angle > 0 ? "deg to the right of the x axis" : "deg to the left of the x axis"));
     INFO(all[0]);
-    const double found = std::stod(all[0].substr(all[0].find("ahead ") + 6));  // to a degree or two
+    const double found = std::stod(all[0].substr(all[0].find("acceleration ") + 13));  // to a degree or two
     CHECK(std::abs(found - std::abs(angle) * 180 / std::numbers::pi) < 2);
   }
 }

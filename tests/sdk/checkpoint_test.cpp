@@ -145,7 +145,7 @@ TEST_CASE("what cannot be resumed is refused, and why") {
     CHECK(outcome.err.find(why) != std::string::npos);
   };
   refused({"--resume", "c"}, 3, "it began with --out");
-  refused({"--out", "out", "--resume", "c", "--seed", "7"}, 3, "of seed 1, run 0, and this is seed 7, run 0");
+  refused({"--out", "out", "--resume", "c", "--seed", "7"}, 3, "belongs to seed 1, run 0, and this is seed 7, run 0");
   refused({"--out", "out", "--resume", "c", "--set", "/title=x"}, 3, "another config");
   refused({"--out", "out", "--resume", "nothing"}, 2, "there is no checkpoint 'nothing'");
   refused({"--checkpoint", "c@60"}, 2, "the unit is missing; is 60s meant?");
@@ -154,5 +154,5 @@ TEST_CASE("what cannot be resumed is refused, and why") {
   refused({"--checkpoint", "none/c"}, 2, "none/c");
   fs::resize_file(bench.path("c.records"), 0);
   fs::resize_file(bench.path("c"), fs::file_size(bench.path("c")) - 1);
-  refused({"--out", "out", "--resume", "c"}, 3, "torn");
+  refused({"--out", "out", "--resume", "c"}, 3, "damaged");
 }
