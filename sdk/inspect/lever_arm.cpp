@@ -32,12 +32,6 @@ Unknowns known_before() {
   return sigma;
 }
 
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return m;
-}
-
 struct Rows {
   Eigen::MatrixXd X;
   Eigen::VectorXd y;
@@ -74,9 +68,7 @@ Rows rows_of(const std::vector<Windows::Step>& steps, double begin) {
     of_window.block<2, 3>(2 * fix, 0) = cross_matrix(push).topRows<2>() / step.doubt;
     rows.y.segment<2>(2 * fix) = left.head<2>() / step.doubt;
   }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> window(of_window);
-  rows.X -= of_window * window.solve(rows.X);
-  rows.y -= of_window * window.solve(rows.y);
+  project_out(of_window, rows.X, rows.y);
   return rows;
 }
 
@@ -90,9 +82,8 @@ Sums sums_of(const Rows& rows, const Unknowns& x, double sigma) {
   Sums sums;
   const Eigen::VectorXd residual = rows.y - rows.X * x;
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
-    const double z = residual[i] / (4.685 * sigma);
-    if (std::abs(z) >= 1) continue;
-    const double weight = (1 - z * z) * (1 - z * z) / (sigma * sigma);
+    const double weight = biweight(residual[i], sigma) / (sigma * sigma);
+    if (weight == 0) continue;
     sums.A += weight * rows.X.row(i).transpose() * rows.X.row(i);
     sums.b += weight * rows.X.row(i).transpose() * rows.y[i];
   }

@@ -266,7 +266,10 @@ void add_reference(const Inspection& inspection, const std::string& folder, Json
 
 Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder,
                   std::vector<std::string>& notes) {
-  Json config = {{"binnacle", 1}, {"title", "Proposed by binnacle inspect"}};
+  Json config = {{"binnacle", 1},
+                 {"title", inspection.start
+                               ? "Proposed by binnacle inspect; noises of the inertial sensor are those at rest"
+                               : "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
   for (const Channel* channel : {&imu, &gnss}) config["sources"][source_name(*channel)] = source_of(*channel, folder);
   apply(inspection.findings, config);
   std::string input = imu.name;
@@ -282,8 +285,6 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
   config["filters"] = {{"ins", filter_of(input, gnss, noise, lever_arm_of(inspection, notes))}};
   add_reference(inspection, folder, config, notes);
   config["record"] = {{"every", "0.5 s"}};
-  config["title"] = inspection.start ? "Proposed by binnacle inspect; noises of the inertial sensor are those at rest"
-                                     : "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured";
   return config;
 }
 

@@ -73,6 +73,11 @@ double student_tail(double t, std::size_t dof) {
   return std::max(0.0, 0.5 * (1 - inside));
 }
 
+double biweight(double residual, double sigma) {
+  const double z = residual / (4.685 * sigma);
+  return std::abs(z) < 1 ? (1 - z * z) * (1 - z * z) : 0;
+}
+
 LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
   const Eigen::Index n = X.rows(), p = X.cols();
   LinearFit fit;
@@ -87,10 +92,7 @@ LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
     std::vector<double> size(static_cast<std::size_t>(n));
     for (Eigen::Index i = 0; i < n; ++i) size[static_cast<std::size_t>(i)] = std::abs(residual[i]);
     fit.sigma = std::max(1.4826 * median(std::move(size)), 1e-300);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double z = residual[i] / (4.685 * fit.sigma);
-      weight[i] = std::abs(z) < 1 ? (1 - z * z) * (1 - z * z) : 0;
-    }
+    for (Eigen::Index i = 0; i < n; ++i) weight[i] = biweight(residual[i], fit.sigma);
   }
   const double total = weight.sum();
   const double mean = weight.dot(y) / total;

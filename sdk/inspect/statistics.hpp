@@ -22,7 +22,10 @@ std::vector<std::size_t> spikes(const std::vector<double>& values, double& limit
 /// Chance that Student's t of so many degrees of freedom is above t, t >= 0 (Abramowitz and Stegun, 26.7.3 and 26.7.4).
 double student_tail(double t, std::size_t dof);
 
-/// y = X β by iterated reweighting (Tukey's biweight, 4.685 σ).
+/// Tukey's biweight of a residual, whose limit is 4.685 σ: 1 at zero, 0 from there on.
+double biweight(double residual, double sigma);
+
+/// y = X β by iterated reweighting (Tukey's biweight).
 struct LinearFit {
   Eigen::VectorXd beta, standard_error;
   double sigma = 0;      // of the residuals, robust

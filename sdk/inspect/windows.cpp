@@ -21,12 +21,6 @@ Matrix3d turned(const Vector3d& by) {
   return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix();
 }
 
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return m;
-}
-
 /// Over what there is of (t - near, t + near].
 Vector3d mean_near(const Integral& integral, double t, double near) {
   double covered = 0;
@@ -41,6 +35,18 @@ double gravity_at(const Fixes& fixes, std::size_t i) {
 }
 
 }  // namespace
+
+Matrix3d cross_matrix(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
+void project_out(const Eigen::MatrixXd& of_window, Eigen::Ref<Eigen::MatrixXd> rows, Eigen::Ref<Eigen::VectorXd> left) {
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> window(of_window);
+  rows -= of_window * window.solve(Eigen::MatrixXd(rows));
+  left -= of_window * window.solve(Eigen::VectorXd(left));
+}
 
 Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length, double near) {
   const Integral turns(inertial.t, inertial.w, inertial.step), pushes(inertial.t, inertial.f, inertial.step);
@@ -194,9 +200,7 @@ void add_rows(const std::vector<Windows::Step>& steps, Eigen::Index first, Eigen
     left.segment<2>(row) = step.left.head<2>() / step.doubt;
     of_rotation.middleRows<2>(row) = cross_matrix(step.push).topRows<2>() / step.doubt;
   }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rotation(of_rotation);
-  rows -= of_rotation * rotation.solve(Eigen::MatrixXd(rows));
-  left -= of_rotation * rotation.solve(Eigen::VectorXd(left));
+  project_out(of_rotation, rows, left);
 }
 
 }  // namespace

@@ -73,6 +73,11 @@ class Windows {
   std::vector<Window> windows_;
 };
 
+/// [a x]: cross_matrix(a) b = a x b.
+Matrix3d cross_matrix(const Vector3d& a);
+/// Takes out of rows, and of what is left, what a window's own unknowns (the columns of of_window) explain (Frisch and Waugh).
+void project_out(const Eigen::MatrixXd& of_window, Eigen::Ref<Eigen::MatrixXd> rows, Eigen::Ref<Eigen::VectorXd> left);
+
 /// What turning adds to the differences of velocity, in the sensor's axes [m]. A small rotation of each window is fitted with it, for
 /// its attitude has taken part of the lever arm up; the fit is repeated with what was found taken off, which it leaves set.
 LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes);

@@ -55,10 +55,6 @@ std::vector<Command> commands_of(const std::vector<std::string>& lines) {
 
 bool is_typed(const Fence& fence) { return fence.language == "sh" && fence.file.empty(); }
 
-bool is_shown(const Fence& fence) {
-  return fence.language == "text" && !fence.lines.empty() && fence.lines.front().rfind("$ ", 0) == 0;
-}
-
 std::vector<std::string> typed_in(const Fence& fence) {
   std::vector<std::string> typed;
   for (const auto& line : fence.lines)
@@ -204,6 +200,10 @@ class Session {
 };
 
 }  // namespace
+
+bool is_shown(const Fence& fence) {
+  return fence.language == "text" && !fence.lines.empty() && fence.lines.front().rfind("$ ", 0) == 0;
+}
 
 SessionResult session_of(const MarkdownFile& page) { return Session(page).result(); }
 

@@ -24,6 +24,8 @@ struct SessionResult {
 /// the page makes itself, they are typed as they stand.
 SessionResult session_of(const MarkdownFile& page);
 
+/// A `text` fence that begins with a command behind "$ ".
+bool is_shown(const Fence& fence);
 /// The commands of the page, without those of fences that are part of a file: that file is run.
 std::vector<std::string> commands_in(const MarkdownFile& page);
 

@@ -78,8 +78,7 @@ std::vector<std::string> unseen_commands(const std::string& path) {
   for (std::string line; std::getline(stream, line);)
     if (std::regex_search(line, indented) && !is_verb && !std::regex_search(line, form)) found.push_back(line);
   for (const auto& fence : MarkdownFile(path).fences()) {
-    const bool is_shown = fence.language == "text" && !fence.lines.empty() && fence.lines.front().rfind("$ ", 0) == 0;
-    if (fence.language == "sh" || is_shown) continue;
+    if (fence.language == "sh" || is_shown(fence)) continue;
     for (const auto& line : fence.lines)
       if (std::regex_search(line, typed) && !std::regex_search(line, outcome)) found.push_back(line);
   }

@@ -20,22 +20,16 @@ import subprocess
 import sys
 import tempfile
 
-SEGMENTS = [
-    {"do": "still", "duration": "20 s"}, {"do": "accelerate", "to": "12 m/s", "acceleration": "1.5 m/s^2"},
-    {"do": "turn", "angle": "90 deg", "rate": "15 deg/s"}, {"do": "straight", "duration": "15 s"},
-    {"do": "turn", "angle": "-120 deg", "rate": "-12 deg/s"}, {"do": "climb", "height": "6 m", "duration": "20 s"},
-    {"do": "accelerate", "to": "6 m/s", "acceleration": "-1.5 m/s^2"}, {"do": "turn", "angle": "170 deg", "rate": "25 deg/s"},
-    {"do": "accelerate", "to": "18 m/s", "acceleration": "1.2 m/s^2"}, {"do": "straight", "duration": "10 s"},
-    {"do": "turn", "angle": "60 deg", "rate": "6 deg/s"}, {"do": "accelerate", "to": 0, "acceleration": "-2 m/s^2"}]
+from simulated import FIX, FIX_UNITS, IMU, ROUTE, columns
+
+SEGMENTS = [{"do": "still", "duration": "20 s"}] + ROUTE
 AXES = ["forward", "right", "down"]
 KINDS = ["white", "correlated", "poor", "late", "mean"]
 
 
 def config(lever_arm):
-    imu = {field: {"column": field, "unit": unit} for field, unit in
-           zip(("wx", "wy", "wz", "fx", "fy", "fz"), ["rad/s"] * 3 + ["m/s^2"] * 3)}
-    gnss = {field: {"column": field, "unit": unit} for field, unit in
-            zip(("lat", "lon", "height", "vn", "ve", "vd"), ["deg", "deg", "m"] + ["m/s"] * 3)}
+    imu = columns(IMU, ["rad/s"] * 3 + ["m/s^2"] * 3)
+    gnss = columns(FIX, FIX_UNITS)
     drive = {"type": "vehicle_simulator", "start": {"lat": "48.1 deg", "lon": "11.6 deg", "height": "520 m", "heading": "30 deg"},
              "segments": SEGMENTS, "repeat": 3, "roll_gradient": "4 deg/g", "pitch_gradient": "1.5 deg/g", "imu_rate": "100 Hz",
              "imu_kind": "rate", "ride": {"slip": 0.002, "heave": "0.03 m/s", "roll": "2 mrad", "pitch": "2 mrad"},

@@ -15,14 +15,8 @@ import subprocess
 import sys
 import tempfile
 
-ROUTE = [
-    {"do": "accelerate", "to": "12 m/s", "acceleration": "1.5 m/s^2"}, {"do": "turn", "angle": "90 deg", "rate": "15 deg/s"},
-    {"do": "straight", "duration": "15 s"}, {"do": "turn", "angle": "-120 deg", "rate": "-12 deg/s"},
-    {"do": "climb", "height": "6 m", "duration": "20 s"}, {"do": "accelerate", "to": "6 m/s", "acceleration": "-1.5 m/s^2"},
-    {"do": "turn", "angle": "170 deg", "rate": "25 deg/s"}, {"do": "accelerate", "to": "18 m/s", "acceleration": "1.2 m/s^2"},
-    {"do": "straight", "duration": "10 s"}, {"do": "turn", "angle": "60 deg", "rate": "6 deg/s"},
-    {"do": "accelerate", "to": 0, "acceleration": "-2 m/s^2"}, {"do": "still", "duration": "5 s"}]
-FIX = ["lat", "lon", "height", "vn", "ve", "vd"]
+from simulated import FIX, FIX_UNITS, IMU, ROUTE, columns
+
 SD = ["position_sd_n", "position_sd_e", "position_sd_d", "velocity_sd_n", "velocity_sd_e", "velocity_sd_d"]
 
 # rest [s]; turn of the sensor; IMU rate, units of rates and forces; GNSS rate, whether it states deviations; its lever arm.
@@ -50,13 +44,9 @@ SHAKES = {"ride": {"roll": "0.3 deg", "pitch": "0.3 deg", "sway": "0.03 m/s", "h
 BOUNDS = {"horizontal": 1.0, "height": 2.0, "tilt": 0.5, "yaw": 1.0}
 
 
-def columns(fields, units):
-    return {field: {"column": field, "unit": unit} for field, unit in zip(fields, units)}
-
-
 def drive_config(name, drive):
     rest, turn, imu_rate, rate_unit, force_unit, gnss_rate, has_deviations, lever_arm = drive
-    segments = [{"do": "still", "duration": f"{rest} s"}] * (rest > 0) + ROUTE * 3
+    segments = [{"do": "still", "duration": f"{rest} s"}] * (rest > 0) + (ROUTE + [{"do": "still", "duration": "5 s"}]) * 3
     start = {"lat": "48.1 deg", "lon": "11.6 deg", "height": "520 m", "heading": "130 deg"}
     # The route ends at rest: a drive without rest at its begin starts with speed.
     if rest == 0:
@@ -67,15 +57,15 @@ def drive_config(name, drive):
               "gnss": {"lever_arm": [f"{x} m" for x in lever_arm]}}
     if name.startswith("a car that shakes"):
         source.update(SHAKES)
-    fix_fields, fix_units = FIX, ["deg", "deg", "m"] + ["m/s"] * 3
+    fix_fields, fix_units = FIX, FIX_UNITS
     if has_deviations:
         fix_fields, fix_units = FIX + SD, fix_units + ["m"] * 3 + ["m/s"] * 3
     sinks = {
         "imu": {"type": "csv_writer", "input": "sensor", "path": "imu.csv", "time": "t_s",
-                "columns": columns(["wx", "wy", "wz", "fx", "fy", "fz"], [rate_unit] * 3 + [force_unit] * 3)},
+                "columns": columns(IMU, [rate_unit] * 3 + [force_unit] * 3)},
         "gnss": {"type": "csv_writer", "input": "drive.gnss", "path": "gnss.csv", "time": "t_s", "columns": columns(fix_fields, fix_units)},
         "truth": {"type": "csv_writer", "input": "drive.truth", "path": "truth.csv", "time": "t_s",
-                  "columns": columns(FIX + ["roll", "pitch", "yaw"], ["deg", "deg", "m"] + ["m/s"] * 3 + ["deg"] * 3)}}
+                  "columns": columns(FIX + ["roll", "pitch", "yaw"], FIX_UNITS + ["deg"] * 3)}}
     for sink in sinks.values():
         for name, column in sink["columns"].items():
             column["column"] = f"{name}_{column['unit'].replace('/', 'p').replace('^', '')}" if name[0] in "wf" else \
