@@ -430,4 +430,63 @@ void ask_deviations(const Channel& channel, const Fixes& fixes, Findings& findin
   }
 }
 
+namespace {
+
+/// Its part from `first` on, of north, east, down, is what the finding is about.
+struct Scatter {
+  const char *kind, *what, *fields, *axes, *unit;
+  int first, count;
+};
+
+/// Root mean squares; only of eight values at least, so that they are known to a quarter.
+void report_scatter(const Channel& channel, const Scatter& scatter, const std::vector<Vector3d>& values,
+                    Findings& findings) {
+  if (values.size() < 8) return;
+  Vector3d square = Vector3d::Zero();
+  for (const Vector3d& each : values) square += each.cwiseAbs2();
+  const Vector3d rms = (square / static_cast<double>(values.size())).cwiseSqrt();
+  Finding found = finding(channel, scatter.kind, scatter.fields, Severity::finding);
+  std::string figures;
+  for (int k = scatter.first; k < scatter.first + scatter.count; ++k) {
+    found.value = std::max(found.value, rms[k]);
+    figures += (figures.empty() ? "" : ", ") + figure(rms[k]);
+  }
+  found.unit = scatter.unit;
+  found.text = fmt::format("{} by {} {} ({}) at rest; slower errors are not in this", scatter.what, figures,
+                           scatter.unit, scatter.axes);
+  found.evidence = fmt::format("{} fixes at rest", values.size());
+  findings.push_back(std::move(found));
+}
+
+}  // namespace
+
+void ask_fix_noise(const Channel& channel, const Fixes& fixes, double delay, const RestFigures& rest,
+                   Findings& findings) {
+  if (!rest.is_seen) return;
+  std::vector<Vector3d> positions, velocities;
+  for (const Rest& span : rest.spans) {
+    std::vector<Vector3d> its;  // from the first [m]
+    const Vector3d* first = nullptr;
+    for (std::size_t i = 0; i < fixes.t.size(); ++i) {
+      // A second from moving: a rest is known to that.
+      if (fixes.t[i] < span.from + delay + 1 || fixes.t[i] > span.to + delay - 1) continue;
+      if (fixes.has_velocity && fixes.v[i].allFinite()) velocities.push_back(fixes.v[i]);
+      if (!fixes.has_position || !fixes.has_height || !fixes.p[i].allFinite()) continue;
+      if (!first) first = &fixes.p[i];
+      its.push_back(between(*first, fixes.p[i]));
+    }
+    if (its.size() < 4) continue;
+    Vector3d mean = Vector3d::Zero();
+    for (const Vector3d& each : its) mean += each;
+    mean /= static_cast<double>(its.size());
+    const double unbiased = std::sqrt(static_cast<double>(its.size()) / static_cast<double>(its.size() - 1));
+    for (const Vector3d& each : its) positions.push_back(unbiased * (each - mean));
+  }
+  report_scatter(channel, {"position_noise", "positions scatter", "lat, lon", "north, east", "m", 0, 2}, positions,
+                 findings);
+  report_scatter(channel, {"height_noise", "heights scatter", "height", "down", "m", 2, 1}, positions, findings);
+  report_scatter(channel, {"velocity_noise", "velocities scatter", "vn, ve, vd", "north, east, down", "m/s", 0, 3},
+                 velocities, findings);
+}
+
 }  // namespace binnacle::inspect

@@ -197,6 +197,7 @@ class Pair {
     decide_down(coarse, true_bias, axes.is_known);
     const double delay = ask_delay(imu_, gnss_, inertial_, fixes_, coarse, true_bias, difference, inspection_.findings);
     inspection_.delay = delay + difference;
+    ask_fix_noise(gnss_, fixes_, delay, rest_, inspection_.findings);
     if (axes.is_ruled_out) return;
     Vector3d lever_arm = Vector3d::Zero();
     LeverArm antenna;

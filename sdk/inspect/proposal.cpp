@@ -112,18 +112,41 @@ std::string lacking(const std::vector<Channel>& channels, const std::vector<std:
   return reason + best;
 }
 
-/// Deviations that a channel does not state: usual ones of a single receiver.
-Json fix_of(const Channel& gnss) {
+/// Of the channel's findings of this kind, 0 where there is none.
+double value_of(const Inspection& inspection, const Channel& channel, std::string_view kind) {
+  const auto at = std::ranges::find_if(inspection.findings, [&](const Finding& found) {
+    return found.channel == channel.name && found.kind == kind;
+  });
+  return at == inspection.findings.end() ? 0 : at->value;
+}
+
+/// Deviations that a channel does not state: usual ones of a single receiver, or its scatter at rest where that is more.
+Json fix_of(const Inspection& inspection, const Channel& gnss, std::vector<std::string>& notes) {
   Json position = {{"type", "position_fix"}, {"blocks", {{"position", "antenna"}}}};
   Json velocity = {{"type", "velocity_fix"}, {"blocks", {{"velocity", "antenna_velocity"}}}};
-  if (!gnss.find("position_sd_n"))
-    position["sigma"] = {"3 m", "3 m", "5 m"};
-  else
+  const bool states_position = gnss.find("position_sd_n") != nullptr,
+             states_velocity = gnss.find("velocity_sd_n") != nullptr;
+  if (states_position) {
     position["floor"] = "0.5 m";
-  if (!gnss.find("velocity_sd_n"))
-    velocity["sigma"] = "0.2 m/s";
-  else
+  } else {
+    const double seen = value_of(inspection, gnss, "position_noise"), high = value_of(inspection, gnss, "height_noise");
+    const std::string level = fmt::format("{:.2g} m", std::max(3.0, seen)),
+                      vertical = fmt::format("{:.2g} m", std::max(5.0, high));
+    position["sigma"] = {level, level, vertical};
+    notes.push_back(
+        fmt::format("fixes: sigma of the position {}, of the height {}: usual of a single receiver{}; "
+                    "replace them by your receiver's",
+                    level, vertical, seen > 3 || high > 5 ? ", and more where they scatter so at rest" : ""));
+  }
+  if (states_velocity) {
     velocity["floor"] = "0.03 m/s";
+  } else {
+    const double seen = value_of(inspection, gnss, "velocity_noise");
+    velocity["sigma"] = fmt::format("{:.2g} m/s", std::max(0.2, seen));
+    notes.push_back(fmt::format("fixes: sigma of the velocity {}: {}; replace it by your receiver's",
+                                velocity["sigma"].get<std::string>(),
+                                seen > 0.2 ? "the scatter at rest" : "usual of a single receiver"));
+  }
   return {{"channel", gnss.name}, {"stack", {{"position", position}, {"velocity", velocity}}}, {"gate", 0.9999}};
 }
 
@@ -131,28 +154,40 @@ Json fix_of(const Channel& gnss) {
 /// tenth of the usual ones.
 struct Noise {
   double gyro = 1e-3, force = 0.05;  // rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
+
+  // In the units of data sheets.
+  std::string gyro_text() const { return in_data_sheet(gyro, "deg/sqrt(h)"); }
+  std::string force_text() const { return in_data_sheet(force, "m/s/sqrt(h)"); }
+  static std::string in_data_sheet(double density, const std::string& unit) {
+    return fmt::format("{:.2g} {}", density * 60 * (unit.starts_with("deg") ? 57.29577951308232 : 1), unit);
+  }
 };
 Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
   Noise noise;
   if (!inspection.start) {
     notes.push_back(
-        "noises: usual ones of a MEMS sensor, for the record does not begin with ten seconds of rest and then a drive "
-        "forward");
+        fmt::format("noises: gyro {}, accelerometer {}, usual of a MEMS sensor, for the record does not begin with ten "
+                    "seconds of rest and then a drive forward",
+                    noise.gyro_text(), noise.force_text()));
     return noise;
   }
   const Start& start = *inspection.start;
-  noise = {std::max(0.1 * noise.gyro, start.gyro_noise), std::max(0.1 * noise.force, start.force_noise)};
-  notes.push_back(
-      fmt::format("noises: those of {:.0f} s of rest, gyro {:.2g} rad/s/sqrt(Hz), accelerometer {:.2g} m/s^2/sqrt(Hz), "
-                  "or a tenth of usual "
-                  "ones of a MEMS sensor where that is more; those of the biases are usual ones",
-                  start.seconds, start.gyro_noise, start.force_noise));
+  const Noise at_rest{start.gyro_noise, start.force_noise}, least{0.1 * noise.gyro, 0.1 * noise.force};
+  noise = {std::max(least.gyro, at_rest.gyro), std::max(least.force, at_rest.force)};
+  const auto origin = [](bool is_least, const std::string& seen) {
+    return is_least ? "a tenth of usual, for motion adds noise; at rest it is " + seen : "that at rest";
+  };
+  notes.push_back(fmt::format("noise of the gyro: {} ({})", noise.gyro_text(),
+                              origin(noise.gyro > at_rest.gyro, at_rest.gyro_text())));
+  notes.push_back(fmt::format("noise of the accelerometer: {} ({})", noise.force_text(),
+                              origin(noise.force > at_rest.force, at_rest.force_text())));
+  notes.push_back("noise of the biases: usual of a MEMS sensor");
   return noise;
 }
 
 /// Of the antenna, in the vehicle's axes: what is determined, and zero else.
-Json lever_arm_of(const Inspection& inspection, std::vector<std::string>& notes) {
-  Json lever_arm = {0, 0, 0};
+Eigen::Vector3d lever_arm_of(const Inspection& inspection, std::vector<std::string>& notes) {
+  Eigen::Vector3d lever_arm = Eigen::Vector3d::Zero();
   std::string known, open;
   constexpr const char* names[] = {"forward", "right", "down"};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -163,7 +198,7 @@ Json lever_arm_of(const Inspection& inspection, std::vector<std::string>& notes)
       open += std::string(open.empty() ? "" : ", ") + names[k];
       continue;
     }
-    lever_arm[k] = fmt::format("{:.2f} m", at->value);
+    lever_arm[static_cast<Eigen::Index>(k)] = 0.01 * std::round(100 * at->value);
     known += fmt::format("{}{} {:.2f} +- {:.2f} m", known.empty() ? "" : ", ", names[k], at->value, at->sigma);
   }
   if (!known.empty()) notes.push_back("lever arm, by turning: " + known + "; a measured one is better");
@@ -173,12 +208,23 @@ Json lever_arm_of(const Inspection& inspection, std::vector<std::string>& notes)
   return lever_arm;
 }
 
+Json lengths(const Eigen::Vector3d& meters) {
+  Json all = Json::array();
+  for (const double each : meters) all.push_back(each == 0 ? Json(0) : Json(fmt::format("{:.2f} m", each)));
+  return all;
+}
+
 /// An inertial navigation filter with position and velocity of the receiver's antenna.
-Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, const Json& lever_arm) {
+Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, const Eigen::Vector3d& arm,
+               const Json& fix) {
+  const Json lever_arm = lengths(arm);
+  // The position starts at the antenna's.
+  const std::string level = fmt::format("{:.2g} m", std::hypot(3, arm.norm())),
+                    vertical = fmt::format("{:.2g} m", std::hypot(5, arm.norm()));
   Json blocks = {{"position",
                   {{"type", "position"},
                    {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}},
-                   {"sigma", {"3 m", "3 m", "5 m"}}}},
+                   {"sigma", {level, level, vertical}}}},
                  {"velocity",
                   {{"type", "velocity"}, {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}}, {"sigma", "0.3 m/s"}}},
                  {"attitude", {{"type", "attitude"}, {"init", {{"channel", "alignment"}, {"max_age", "2 s"}}}}},
@@ -201,8 +247,8 @@ Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, 
                       {"attitude", "attitude"},
                       {"gyro_bias", "gyro_bias"},
                       {"accel_bias", "accel_bias"}}},
-                    {"gyro_noise", fmt::format("{:.2g} rad/s/sqrt(Hz)", noise.gyro)},
-                    {"accel_noise", fmt::format("{:.2g} m/s^2/sqrt(Hz)", noise.force)}};
+                    {"gyro_noise", noise.gyro_text()},
+                    {"accel_noise", noise.force_text()}};
   return {{"blocks", blocks},
           {"derived", derived},
           {"process",
@@ -210,7 +256,7 @@ Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, 
             {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", "1e-5 rad/s/sqrt(s)"}}},
             {"accel_drift",
              {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", "1e-3 m/s^2/sqrt(s)"}}}}},
-          {"measurements", {{"fix", fix_of(gnss)}}}};
+          {"measurements", {{"fix", fix}}}};
 }
 
 /// By rest and the course where the record begins so; else by motion alone. `mounting_error`: of the axes [deg].
@@ -282,7 +328,8 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
     }
   const Noise noise = noise_of(inspection, notes);
   config["transforms"]["alignment"] = alignment_of(inspection, input, gnss, mounting_error, notes);
-  config["filters"] = {{"ins", filter_of(input, gnss, noise, lever_arm_of(inspection, notes))}};
+  const Eigen::Vector3d lever_arm = lever_arm_of(inspection, notes);
+  config["filters"] = {{"ins", filter_of(input, gnss, noise, lever_arm, fix_of(inspection, gnss, notes))}};
   add_reference(inspection, folder, config, notes);
   config["record"] = {{"every", "0.5 s"}};
   return config;

@@ -43,6 +43,9 @@ RestFigures find_rest(const Inertial& inertial, const Fixes* fixes = nullptr, do
 /// Unit of specific force by gravity: corrects `inertial`, returns the factor.
 double ask_force_unit(const Channel& channel, Inertial& inertial, Findings& findings);
 void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigures& rest, Findings& findings);
+/// How fixes scatter at rest. `delay`: of their labels against those of the rest [s].
+void ask_fix_noise(const Channel& channel, const Fixes& fixes, double delay, const RestFigures& rest,
+                   Findings& findings);
 /// How the record begins: rest, and moving off; nothing where it begins otherwise.
 std::optional<Start> start_of(const Inertial& inertial, const Fixes& fixes, double delay, const RestFigures& rest,
                               const Matrix3d& C_vb);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <numbers>
 
 #include "binnacle/unit.hpp"
@@ -164,7 +165,10 @@ std::vector<std::string> FilterScore::notes() const {
   if (!session_) return {};
   for (int m = 0; m < static_cast<int>(info_.measurements.size()); ++m)
     counts.push_back(session_->counts(MeasurementId{{filter_}, m}));
-  return gates_.notes(counts);
+  auto all = gates_.notes(counts);
+  if (session_->started({filter_}))
+    std::ranges::move(first_samples_.notes(session_->start_time({filter_})), std::back_inserter(all));
+  return all;
 }
 
 std::vector<const Series*> FilterScore::reference_series() const {

@@ -49,7 +49,7 @@ std::pair<int, int> rows_of(const UpdateRecord& record, int group) {
 // ---- before the run
 
 FilterScore::FilterScore(const ScorePlan& plan, int filter)
-    : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]), gates_(info_) {
+    : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]), gates_(info_), first_samples_(info_) {
   size_scratch();
   for (const auto& implied_state : plan.implied_states[as_size(filter)])
     implied_states_.emplace_back(implied_state, info_.blocks[as_size(implied_state.block)]);
@@ -63,7 +63,11 @@ FilterScore::FilterScore(const ScorePlan& plan, int filter)
 }
 
 FilterScore::FilterScore(const ScorePlan& plan, const SmoothingPlan& smoothing)
-    : plan_(plan), filter_(smoothing.as), info_(plan.filters[as_size(smoothing.as)]), gates_(info_) {
+    : plan_(plan),
+      filter_(smoothing.as),
+      info_(plan.filters[as_size(smoothing.as)]),
+      gates_(info_),
+      first_samples_(info_) {
   size_scratch();
   add_references();
   add_state();
@@ -298,6 +302,7 @@ void FilterScore::offered(const UpdateRecord& record) {
   if (next_) next_->offered(record);
   if (is_again(record.t)) return;
   gates_.offered(record);
+  first_samples_.offered(record);
   for (std::size_t r = 0; r < implied_states_.size(); ++r)
     if (implied_states_[r].take(record, record.P0 ? record.P0 : session_->covariance(FilterId{filter_})))
       score_implied_state(static_cast<int>(r));
@@ -320,6 +325,7 @@ void FilterScore::exchange(StateBytes& bytes) {
   bytes.value(newest_);
   bytes.value(seen_until_);
   gates_.exchange(bytes);
+  first_samples_.exchange(bytes);
   for (auto& reference : references_) {
     for (auto& series : reference.series) series.exchange(bytes);
     reference.nees.exchange(bytes);

@@ -19,6 +19,7 @@
 #include "score/run.hpp"
 #include "segments.hpp"
 #include "series.hpp"
+#include "start_watch.hpp"
 #include "state_nees.hpp"
 
 namespace binnacle::score {
@@ -210,6 +211,7 @@ class FilterScore : public StepObserver {
   Time start_ = no_time;  // of a filter that is smoothed
   StepObserver* next_ = nullptr;
   GateWatch gates_;
+  StartWatch first_samples_;
   std::vector<Reference> references_;
   std::vector<unsigned char> is_of_reference_;  // by channel, to the last of them
   std::vector<WatchedTrack> tracks_;

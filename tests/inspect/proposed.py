@@ -11,6 +11,7 @@ fixes are refused, and the errors stay within the bounds below. Exit status: 0, 
 import argparse
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,8 @@ SHAKES = {"ride": {"roll": "0.3 deg", "pitch": "0.3 deg", "sway": "0.03 m/s", "h
               {"do": "straight", "duration": "20 s"}, {"do": "turn", "angle": "-150 deg", "rate": "-10 deg/s"},
               {"do": "climb", "height": "-9 m", "duration": "20 s"}, {"do": "straight", "duration": "30 s"},
               {"do": "turn", "angle": "60 deg", "rate": "7 deg/s"}, {"do": "accelerate", "to": 0, "acceleration": "-1.8 m/s^2"}]}
+# Of the simulator's fixes, when nothing else is said [m, m/s].
+SIGMAS = {"positions": [1.5, 1.5], "heights": [3.0], "velocities": [0.05, 0.05, 0.1]}
 # RMS after the first 60 s [m, m, deg, deg].
 BOUNDS = {"horizontal": 1.0, "height": 2.0, "tilt": 0.5, "yaw": 1.0}
 
@@ -101,9 +104,13 @@ def judge(command, name, drive, seed, folder):
     refused = 1 - fix["accepted"] / fix["offered"]
     errors = errors_of(summary)
     print(f"{name}: {alignment}, verdict {ins['verdict']['state']}, {100 * refused:.2f} % of {fix['offered']} fixes refused")
-    print("\n".join(line for line in said.splitlines() if line.strip().startswith(("lever arm", "noises", "alignment:", "lever_arm"))))
+    print("\n".join(line for line in said.splitlines() if line.strip().startswith(("lever arm", "noise", "alignment:", "fixes:", "lever_arm"))))
     checks = {"no warnings": "\nNo warnings\n" in said, "verdict ok": ins["verdict"]["state"] == "ok", "less than 2 % refused": refused < 0.02,
               "alignment as the record begins": (alignment == "coarse_alignment") == (drive[0] > 0)}
+    if drive[0] > 0:
+        for what, sigmas in SIGMAS.items():
+            seen = [float(x) for x in re.search(rf"{what} scatter by ([-0-9., ]+) m", said)[1].split(",")]
+            checks[f"{what} scatter by {seen}, and were drawn with {sigmas}"] = all(abs(x / y - 1) < 0.35 for x, y in zip(seen, sigmas))
     for what, bound in BOUNDS.items():
         checks[f"{what} {errors[what]:.3f} rms, below {bound}"] = errors[what] < bound
     for what, holds in checks.items():

@@ -62,6 +62,44 @@ TEST_CASE("a gate that no sample came near is a note with the figure") {
   CHECK(has(by_row, "  note: the gate of 'seen' was never near: the largest NIS of 200 samples is "));
 }
 
+TEST_CASE("a first sample that contradicts the initial sigma is a note with the row, and later outliers are none") {
+  const auto jitter = [](int i) { return i % 2 ? 0.15 : -0.15; };
+  const std::vector<std::string> open{"--set", "/filters/walk/measurements/seen/gate=null"};
+  const std::string begin = "  note: the first sample of 'seen', ";
+  CHECK_FALSE(has(summary_of(jitter, open), begin));
+  CHECK_FALSE(has(summary_of([&](int i) { return i == 1 ? 50.0 : jitter(i); }, open), begin));
+  const auto text = summary_of([&](int i) { return i == 0 ? 50.0 : jitter(i); }, open);
+  INFO(text);
+  CHECK(has(text, begin));
+  CHECK(has(text, "contradicts the initial values and their sigmas: row seen 0 is 50 m from its prediction, "));
+  CHECK_FALSE(has(text, "derived block"));
+}
+
+TEST_CASE("a position that starts at the antenna's fixes with a sigma below the lever arm is told so") {
+  const auto stand_with = [](const std::string& sigma) {
+    const std::string fixes = R"(["2 cm", "2 cm", "4 cm"])", lever_arm = R"(["-1.5 m", "0 m", "-0.8 m"])";
+    const auto run = stand("[]", {"--set", "/sources/drive/gnss/lever_arm=" + lever_arm, "--set",
+                                  "/sources/drive/gnss/position_sigma=" + fixes, "--set",
+                                  R"(/filters/ins/derived={"antenna": {"type": "lever_arm", "blocks": {"position": )"
+                                  R"("position", "attitude": "attitude"}, "lever_arm": )" +
+                                      lever_arm + "}}",
+                                  "--set", "/filters/ins/measurements/fix/stack/position/blocks/position=antenna",
+                                  "--set", "/filters/ins/measurements/fix/stack/position/sigma=" + fixes, "--set",
+                                  R"(/filters/ins/blocks/position/init={"channel": "drive.gnss"})", "--set",
+                                  "/filters/ins/blocks/position/sigma=" + sigma});
+    return run.out + run.err;
+  };
+  const auto tight = stand_with(R"("2 cm")"), wide = stand_with(R"("2 m")");
+  INFO(tight);
+  CHECK(has(tight, "  note: the first sample of 'fix', "));
+  CHECK(has(tight,
+            "'fix' measures a derived block, but a state block starts at samples of the same channel as they "
+            "are: its initial 'sigma' must cover the difference, such as a lever arm\n"));
+  INFO(wide);
+  CHECK_FALSE(has(wide, "the first sample of 'fix'"));
+  CHECK(has(wide, "verdict: ins ok"));
+}
+
 namespace {
 
 /// Fixes with a pattern in place of noise of 0.1 m, which a filter without a gate believes in.
