@@ -106,6 +106,12 @@ Json allan_json(const AllanChannel& channel) {
           {"repeated", channel.repeated}, {"fields", fields}};
 }
 
+namespace {
+
+constexpr double most_of_fit = 3;  // chi-square per degree of freedom
+
+}  // namespace
+
 std::string allan_text(const AllanChannel& channel) {
   std::string text = fmt::format("{}: {} samples, one each {} s, over {} s\n", channel.name, channel.samples,
                                  figure(channel.interval), figure(channel.seconds));
@@ -125,19 +131,21 @@ std::string allan_text(const AllanChannel& channel) {
                           counted(static_cast<std::size_t>(field.invalid), "value"));
     if (field.fit.used == 0) text += fmt::format("  {}: the record is too short, or constant\n", field.name);
     std::string name = field.name;
+    const bool fits = field.fit.chi_square <= most_of_fit;
     for (const auto& estimate : field.fit.estimates) {
       const Usual usual = usual_of(estimate.term, field.unit);
-      table.row({std::exchange(name, ""), term_name(estimate.term), figure(estimate.value), figure(estimate.low),
-                 figure(estimate.high), unit_of(estimate.term, field.unit),
-                 usual.unit.empty() ? "" : figure(estimate.value * usual.factor), usual.unit});
+      table.row({std::exchange(name, ""), term_name(estimate.term), figure(estimate.value),
+                 fits ? figure(estimate.low) : "-", fits ? figure(estimate.high) : "-",
+                 unit_of(estimate.term, field.unit), usual.unit.empty() ? "" : figure(estimate.value * usual.factor),
+                 usual.unit});
     }
-    if (field.fit.chi_square > 3)
+    if (!fits)
       text += fmt::format(
-          "  {}: no sum of these terms fits (chi-square {} per degree of freedom): it is not stationary, or drifts in "
-          "another way\n",
+          "  {}: no sum of these terms fits (chi-square {} per degree of freedom): the sensor moves, or drifts in "
+          "another way; values have no limits, and missing terms no bound\n",
           field.name, figure(field.fit.chi_square));
     name = field.name;
-    for (int t = 0; t < allan::term_count && field.fit.used > 0; ++t) {
+    for (int t = 0; fits && t < allan::term_count && field.fit.used > 0; ++t) {
       const auto term = static_cast<Term>(t);
       if (const double largest = field.fit.largest[static_cast<std::size_t>(t)]; largest > 0)
         absent.row({std::exchange(name, ""), term_name(term), "below " + figure(largest),

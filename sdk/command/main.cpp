@@ -112,14 +112,27 @@ int refuse(const CLI::App& command, const CLI::ParseError& error, const std::vec
   throw UsageError(error.what() + help_hint(chosen->app));
 }
 
+/// What is usual elsewhere: --version, -V, help, help VERB.
+std::vector<std::string> usual_words(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  if (argc < 2) return words;
+  if (words[1] == "--version" || words[1] == "-V") words[1] = "version";
+  if (words[1] != "help") return words;
+  words.erase(words.begin() + 1);
+  words.insert(words.begin() + (argc > 2 ? 2 : 1), "--help");
+  return words;
+}
+
 int carry_out(int argc, char** argv) {
   CLI::App command{"Error-state Kalman filters for INS/GNSS and other sensors, composed from JSON"};
   command.name("binnacle");
   command.require_subcommand(1);
   command.footer(exit_statuses);
-  const auto verbs = add_verbs(command, argc > 1 ? argv[1] : "");
+  std::vector<std::string> words = usual_words(argc, argv);
+  const auto verbs = add_verbs(command, words.size() > 1 ? words[1] : "");
   try {
-    command.parse(argc, argv);
+    // CLI11 takes them from the back, without the program's name.
+    command.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));
   } catch (const CLI::ParseError& error) {
     return refuse(command, error, verbs);
   }

@@ -319,9 +319,9 @@ std::string heading(const std::string& name, const Json& filter) {
     const auto& smoother = filter.at("smoother");
     const std::string type = smoother.at("type").get<std::string>();
     const double breaks = number_at(smoother, "breaks");
-    return fmt::format("{}: {}{}{}\n", name, type,
+    return fmt::format("{}: {}{}{}; the verdict is that of {}\n", name, type,
                        breaks > 0 ? fmt::format(", began anew {}", counted(smoother.at("breaks"), "time")) : "",
-                       smoother_text(smoother));
+                       smoother_text(smoother), smoother.at("of").get<std::string>());
   }
   std::string text = name + ": never started";
   if (filter.contains("start_s"))

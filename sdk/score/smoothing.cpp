@@ -248,14 +248,16 @@ void Smoothing::record(const Filter& filter, const smooth::Epoch& epoch) {
 nlohmann::ordered_json Smoothing::summary(std::size_t index) const {
   const Filter& filter = *filters_[index];
   auto figures = filter.score->summary();
+  const std::string& of = session_.composition().filters()[as_size(filter.plan.of)].name;
   if (filter.lag) {
     figures["smoother"] = {{"type", "fixed_lag"},
+                           {"of", of},
                            {"lag_s", seconds(filter.plan.lag->lag)},
                            {"every_s", seconds(filter.plan.lag->every)},
                            {"breaks", filter.lag->has_breaks() ? 1 : 0}};
     return figures;
   }
-  figures["smoother"] = {{"type", "fixed_interval"}, {"breaks", filter.backward->breaks()}};
+  figures["smoother"] = {{"type", "fixed_interval"}, {"of", of}, {"breaks", filter.backward->breaks()}};
   const smooth::Iterations& iterations = filter.backward->iterations();
   if (iterations.wanted == 0) return figures;
   figures["smoother"]["iterations"] = iterations.done;

@@ -111,6 +111,7 @@ TEST_CASE("iterations are reported, and why there are none") {
   CHECK(opened.at("reason") == "its covariance was opened, or it started anew");
   const auto text = run(bench, {"--set", R"(/filters/ins/smoother={"type": "fixed_interval", "iterations": 9})"}).out;
   CHECK(text.find("ins.smoothed: fixed_interval, 2 iterations, converged (last change ") != std::string::npos);
+  CHECK(text.find("; the verdict is that of ins\n") != std::string::npos);
 }
 
 TEST_CASE("a lag as long as the run gives what the interval gives, and a shorter one something between") {
