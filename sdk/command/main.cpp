@@ -2,6 +2,7 @@
 // The binnacle command: verbs, and their exit status.
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <new>
@@ -13,6 +14,7 @@
 
 #include "binnacle/diagnostic.hpp"
 #include "inspect_sources.hpp"
+#include "installation.hpp"
 #include "output.hpp"
 #include "sentinel.hpp"
 #include "verbs.hpp"
@@ -119,7 +121,9 @@ std::vector<std::string> usual_words(int argc, char** argv) {
   if (words[1] == "--version" || words[1] == "-V") words[1] = "version";
   if (words[1] != "help") return words;
   words.erase(words.begin() + 1);
-  words.insert(words.begin() + (argc > 2 ? 2 : 1), "--help");
+  const bool is_of_all = words.size() < 2;
+  if (is_of_all || std::ranges::find(known_verbs, words[1], &KnownVerb::name) != std::end(known_verbs))
+    words.insert(words.begin() + (is_of_all ? 1 : 2), "--help");
   return words;
 }
 
@@ -168,6 +172,17 @@ void hint_at_inspect(const binnacle::Diagnostics& diagnostics) {
                                 " --write my.json' proposes one");
 }
 
+/// Of a config of the README that is not here, but comes with the command.
+void hint_at_shared(const binnacle::Diagnostics& diagnostics) {
+  namespace fs = std::filesystem;
+  if (diagnostics.items().empty() || diagnostics.items().front().code != "B003") return;
+  const fs::path file = diagnostics.items().front().origin.file;
+  std::error_code error;
+  if (file.is_absolute() || file.begin() == file.end() || *file.begin() != "configs") return;
+  const fs::path shared = binnacle::command::prefix() / "share/binnacle" / file;
+  if (fs::exists(shared, error)) binnacle::command::print_note("it comes with this command as " + shared.string());
+}
+
 int guarded_main(int argc, char** argv) {
   using namespace binnacle::command;
   try {
@@ -175,6 +190,7 @@ int guarded_main(int argc, char** argv) {
   } catch (const binnacle::Error& error) {
     print_diagnostics(error.diagnostics());
     hint_at_inspect(error.diagnostics());
+    hint_at_shared(error.diagnostics());
     return error.exit_status();
   } catch (const UsageError& error) {
     print_error(error.what());

@@ -13,6 +13,38 @@ FILES = [
     ("/usr/share/binnacle/sdk/docs", "The manual, in Markdown. README.md is its index."),
     ("/usr/lib/binnacle", "The plugins."),
 ]
+MANUAL = "/usr/share/binnacle/sdk/docs"
+# Of a verb: others that go before or after it, and pages of the manual beside its own.
+RELATED = {
+    "run": (["inspect", "check", "tune", "report", "export"], ["summary", "trust", "smoothing", "results"]),
+    "inspect": (["run", "allan"], ["tutorial", "inspect"]),
+    "check": (["explain", "run"], ["diagnostics", "reference"]),
+    "explain": (["check", "graph", "describe"], ["reference"]),
+    "list": (["describe"], ["reference"]),
+    "describe": (["list", "schema"], ["reference"]),
+    "create": (["describe", "check"], ["reference"]),
+    "schema": (["check"], ["reference"]),
+    "graph": (["explain"], ["graph"]),
+    "study": (["run", "covariance", "report"], ["studies"]),
+    "covariance": (["study", "observe"], ["covariance"]),
+    "observe": (["covariance"], ["observability"]),
+    "tune": (["run", "allan"], ["tuning", "consistent-filter"]),
+    "allan": (["inspect", "tune"], ["consistent-filter"]),
+    "report": (["run", "export"], ["report"]),
+    "export": (["run", "report"], ["export"]),
+    "new": (["conform", "describe"], ["first-plugin"]),
+    "conform": (["new"], ["conformance", "test-a-plugin"]),
+    "version": ([], ["abi-rules"]),
+}
+SECTIONS = {
+    "run": (
+        "VERDICT",
+        "The last line judges each filter by its innovations, gates and covariance; it needs no reference. "
+        "ok: nothing was found; that is no proof. doubtful: the estimates may be wrong; the reasons are on standard error. "
+        "lost: do not use the estimates. The smoothed estimates of --smooth have the verdict of their filter. "
+        "trust.md of the manual says what no verdict detects.",
+    ),
+}
 
 
 def roff(text):
@@ -82,8 +114,13 @@ def verb_page(verb, version):
     page += ".SH OPTIONS\n" + "".join(term(label_of(entry), details_of(entry)) for entry in verb.options)
     if verb.footer:
         page += footer_of(verb)
-    guide = f"/usr/share/binnacle/sdk/docs/verbs/{verb.name}.md"
-    return page + f".SH SEE ALSO\n.BR binnacle (1)\n.PP\nExamples and the exact rules: {roff(guide)}\n"
+    if verb.name in SECTIONS:
+        title, text = SECTIONS[verb.name]
+        page += f".SH {title}\n{roff(text)}\n"
+    others, guides = RELATED[verb.name]
+    names = ",\n".join([".BR binnacle (1)"] + [f".BR binnacle\\-{other} (1)" for other in others])
+    files = ", ".join(roff(f"{guide}.md") for guide in [f"verbs/{verb.name}", *guides])
+    return page + f".SH SEE ALSO\n{names}\n.PP\nExamples and the exact rules, in {roff(MANUAL)}: {files}\n"
 
 
 def command_page(main, verbs, version):

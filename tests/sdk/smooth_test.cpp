@@ -141,7 +141,7 @@ TEST_CASE("a lag as long as the run gives what the interval gives, and a shorter
     CHECK(std::abs(figures.at("rms").get<double>() - others.at("rms").get<double>()) < 1e-9);
   }
   CHECK(lagged.at("smoother") ==
-        nlohmann::json{{"type", "fixed_lag"}, {"lag_s", 10.0}, {"every_s", 1.0}, {"breaks", 0}});
+        nlohmann::json{{"type", "fixed_lag"}, {"of", "ins"}, {"lag_s", 10.0}, {"every_s", 1.0}, {"breaks", 0}});
 }
 
 namespace {

@@ -43,9 +43,32 @@ TEST_CASE("a wrong command line is exit status 2, with what was meant") {
   is_usage_error(bench, {"explain", "good.json", "more"}, "error: 'more' is one argument too many");
   is_usage_error(bench, {"run", "good.json", "--var", "data"}, "error: --var takes NAME=PATH; found 'data'");
   is_usage_error(bench, {"describe", "vectro"}, "error: there is no component type 'vectro'; did you mean 'vector'?");
+  is_usage_error(bench, {"help", "rnu"}, "error: unknown verb 'rnu'; did you mean 'run'?");
   const auto nothing = binnacle::test::binnacle(bench, {});
   CHECK(nothing.status == 2);
   CHECK(has(nothing.err, "explain"));
+}
+
+TEST_CASE("the usual words for the version and for help are understood") {
+  const Workbench bench;
+  const auto out = [&](const std::vector<std::string>& words) {
+    const auto outcome = binnacle::test::binnacle(bench, words);
+    CHECK(outcome.status == 0);
+    return outcome.out;
+  };
+  CHECK(out({"--version"}) == out({"version"}));
+  CHECK(out({"-V"}) == out({"version"}));
+  CHECK(out({"help"}) == out({"--help"}));
+  CHECK(out({"help", "allan"}) == out({"allan", "--help"}));
+}
+
+TEST_CASE("a config of the README that is not here, but comes with the command, is named") {
+  const Workbench bench;
+  const auto found = binnacle::test::binnacle(bench, {"run", "configs/quickstart.json"});
+  CHECK(found.status == 3);
+  CHECK(has(found.err, "note: it comes with this command as "));
+  CHECK(has(found.err, "/share/binnacle/configs/quickstart.json\n"));
+  CHECK_FALSE(has(binnacle::test::binnacle(bench, {"run", "configs/nothing.json"}).err, "note:"));
 }
 
 TEST_CASE("data in place of a config: the verb that takes data is named") {
