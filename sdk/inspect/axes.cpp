@@ -219,10 +219,9 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
   if (confidence < 0.99) {
     axes.is_ruled_out = best.chance(best.over_identity) < 0.01;
     report_open(imu,
-                axes.is_ruled_out
-                    ? "signs or order of the axes are wrong, and these data do not show which"
-                    : "turns and accelerations do not tell all signed orders of the axes apart; a mounting "
-                      "holds for the axes as they are",
+                axes.is_ruled_out ? "signs or order of the axes are wrong, and these data do not show which"
+                                  : "turns and accelerations do not show which signed order of the axes is right; a "
+                                    "mounting holds for the axes as they are",
                 evidence, list);
     return axes;
   }

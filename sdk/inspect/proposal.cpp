@@ -159,7 +159,7 @@ struct Noise {
   std::string gyro_text() const { return in_data_sheet(gyro, "deg/sqrt(h)"); }
   std::string force_text() const { return in_data_sheet(force, "m/s/sqrt(h)"); }
   static std::string in_data_sheet(double density, const std::string& unit) {
-    return fmt::format("{:.2g} {}", density * 60 * (unit.starts_with("deg") ? 57.29577951308232 : 1), unit);
+    return fmt::format("{:.3g} {}", density * 60 * (unit.starts_with("deg") ? 57.29577951308232 : 1), unit);
   }
 };
 Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
@@ -215,12 +215,12 @@ Json lengths(const Eigen::Vector3d& meters) {
 }
 
 /// An inertial navigation filter with position and velocity of the receiver's antenna.
-Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, const Eigen::Vector3d& arm,
+Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, const Eigen::Vector3d& to_antenna,
                const Json& fix) {
-  const Json lever_arm = lengths(arm);
+  const Json lever_arm = lengths(to_antenna);
   // The position starts at the antenna's.
-  const std::string level = fmt::format("{:.2g} m", std::hypot(3, arm.norm())),
-                    vertical = fmt::format("{:.2g} m", std::hypot(5, arm.norm()));
+  const std::string level = fmt::format("{:.2g} m", std::hypot(3, to_antenna.norm())),
+                    vertical = fmt::format("{:.2g} m", std::hypot(5, to_antenna.norm()));
   Json blocks = {{"position",
                   {{"type", "position"},
                    {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}},

@@ -253,8 +253,8 @@ TEST_CASE(
   CHECK(ins.at("derived").at("antenna").at("lever_arm")[0].get<std::string>().starts_with("1."));
   CHECK(ins.at("derived").at("antenna_velocity").at("lever_arm") == ins.at("derived").at("antenna").at("lever_arm"));
   // 0.02 rad/s at 100 Hz, and 0.3 m/s^2.
-  CHECK(ins.at("process").at("strapdown").at("gyro_noise") == "0.002 rad/s/sqrt(Hz)");
-  CHECK(ins.at("process").at("strapdown").at("accel_noise") == "0.03 m/s^2/sqrt(Hz)");
+  CHECK(ins.at("process").at("strapdown").at("gyro_noise") == "6.88 deg/sqrt(h)");
+  CHECK(ins.at("process").at("strapdown").at("accel_noise") == "1.8 m/s/sqrt(h)");
   const Json& alignment = proposal.config.at("transforms").at("alignment");
   CHECK(alignment.at("type") == "coarse_alignment");
   CHECK(alignment.at("heading") == "course");

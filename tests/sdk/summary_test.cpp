@@ -75,7 +75,7 @@ TEST_CASE("a first sample that contradicts the initial sigma is a note with the 
   CHECK_FALSE(has(text, "derived block"));
 }
 
-TEST_CASE("a position that starts at the antenna's fixes with a sigma below the lever arm is told so") {
+TEST_CASE("a position that starts at the antenna's fixes with a sigma below the lever arm is noted") {
   const auto stand_with = [](const std::string& sigma) {
     const std::string fixes = R"(["2 cm", "2 cm", "4 cm"])", lever_arm = R"(["-1.5 m", "0 m", "-0.8 m"])";
     const auto run = stand("[]", {"--set", "/sources/drive/gnss/lever_arm=" + lever_arm, "--set",
