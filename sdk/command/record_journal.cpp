@@ -8,12 +8,10 @@
 
 #include <fmt/format.h>
 
-#define XXH_INLINE_ALL  // nothing is linked
-#include <xxhash.h>
-
 #include "atomic_file.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "output.hpp"
+#include "wording/checksum.hpp"
 
 namespace binnacle::command {
 
@@ -126,16 +124,7 @@ class ReadSample {
 
 }  // namespace
 
-/// Of all bytes so far, XXH3.
-class RecordJournal::Checksum {
- public:
-  Checksum() { XXH3_64bits_reset(&state_); }
-  void add(const void* data, std::size_t size) { XXH3_64bits_update(&state_, data, size); }
-  std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
-
- private:
-  XXH3_state_t state_;
-};
+class RecordJournal::Checksum : public wording::Checksum {};
 
 class RecordJournal::Observer final : public StepObserver {
  public:

@@ -15,10 +15,8 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#define XXH_INLINE_ALL  // nothing is linked
-#include <xxhash.h>
-
 #include "figures_json.hpp"
+#include "wording/checksum.hpp"
 
 namespace binnacle::study {
 
@@ -36,7 +34,11 @@ std::string hexadecimal(std::uint64_t value) {
   return text;
 }
 
-std::string checksum(std::string_view text) { return hexadecimal(XXH3_64bits(text.data(), text.size())); }
+std::string checksum(std::string_view text) {
+  wording::Checksum sum;
+  sum.add(text.data(), text.size());
+  return hexadecimal(sum.value());
+}
 
 std::string signed_line(const Json& json) {
   const std::string text = line_of(json);

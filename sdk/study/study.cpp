@@ -9,13 +9,11 @@
 #include <functional>
 #include <map>
 
-#define XXH_INLINE_ALL  // nothing is linked
-#include <xxhash.h>
-
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"
 #include "tables.hpp"
+#include "wording/checksum.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::study {
@@ -24,14 +22,11 @@ using namespace wording;
 
 namespace {
 
-/// XXH3 of 64 bits.
-class Hash {
+class Hash : public wording::Checksum {
  public:
-  Hash() { XXH3_64bits_reset(&state_); }
-  std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
-  void add(const char* bytes, std::size_t count) { XXH3_64bits_update(&state_, bytes, count); }
+  using Checksum::add;
   void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
-  void add(std::uint64_t number) { add(reinterpret_cast<const char*>(&number), sizeof(number)); }
+  void add(std::uint64_t number) { add(&number, sizeof(number)); }
   /// A rebuilt program or plugin may give other figures under the same version.
   void add_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -39,9 +34,6 @@ class Hash {
     while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || file.gcount() > 0)
       add(buffer.data(), static_cast<std::size_t>(file.gcount()));
   }
-
- private:
-  XXH3_state_t state_;
 };
 
 /// What several variants say alike is reported once; what only some say, with their names.
