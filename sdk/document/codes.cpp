@@ -177,7 +177,7 @@ constexpr CodeEntry entries[] = {
      "Over a window of at least 50 samples and 10 s, the mean of NIS over its rows is larger than the specified noise "
      "can explain. The filter is `lost` if NIS of the latest window exceeds `beyond_reason` of `trust`.",
      "The summary gives the standard deviation that would fit each row. If the innovations grow with motion, check the "
-     "model, the lever arm and the clock."},
+     "model, the clock, and the lever arm: one that the config does not have shows in turns."},
     {"B104", "biased innovations",
      "Over a window, the mean innovation of a row is further from zero than noise can explain.",
      "A constant error is not modelled. Check for a bias, a lever arm, a mounting angle, a clock offset at constant "

@@ -10,10 +10,10 @@ class RandomWalk final : public ProcessModel {
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "@NAME@";
-    spec.summary = "A vector that wanders: its rate is white noise.";
+    spec.summary = "A random walk: the rate of a vector is white noise.";
     spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
     spec.parameters = {parameter::number("q", "@x/sqrt(s)").at_least(0).required().about("sigma after 1 s")};
-    spec.ports = {advances("x", "vector:*:*").about("the vector that wanders")};
+    spec.ports = {advances("x", "vector:*:*").about("the vector")};
     spec.example = R"json({"blocks": {"x": "height"}, "q": "0.1 m/sqrt(s)"})json";
     spec.surroundings = R"json({"blocks": {"height": {"type": "vector", "size": 1, "unit": "m", "sigma": "1 m"}}})json";
     return spec;
