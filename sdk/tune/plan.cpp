@@ -273,6 +273,9 @@ void read_until(const Section& section, Plan& plan) {
   const bool is_relative = text->starts_with("start+");
   const auto time = parse_time(is_relative ? text->substr(6) : *text);
   if (!time) return section.error("B007", "/tune/until", time.error());
+  if (plan.objective == Objective::metric)
+    return section.error("B010", "/tune/until",
+                         "a metric takes its time span from 'evaluate': \"evaluate\": {\"until\": …}");
   plan.until = When{*time, is_relative};
 }
 

@@ -213,6 +213,11 @@ TEST_CASE("withheld samples and metrics are objectives too") {
   metric["tune"]["objective"] = {{"metric", "walk/place.x/rms"}};
   metric["tune"]["parameters"] = {{q_at, json::object()}};
   const json result = tuned(bench, metric);
+  metric["tune"]["until"] = "start+299.5 s";
+  bench.write("until.json", metric.dump());
+  const auto refused = binnacle::test::binnacle(bench, {"tune", "until.json"});
+  CHECK(refused.status == 3);
+  CHECK(refused.err.find("/tune/until: a metric takes its time span from 'evaluate'") != std::string::npos);
   // The gain has a best ratio of the two: the sigma that it has is ten times too large.
   CHECK(std::abs(std::log(end_of(result, q_at) / (10 * true_q))) < 0.7);
   CHECK_FALSE(result.at("parameters")[0].contains("standard_error"));
