@@ -295,7 +295,7 @@ Verb run_verb(CLI::App& command) {
   options->config.add_variant_to(*app);
   app->add_option("--summary", options->summary, "Write the summary as JSON to a file")->type_name("FILE.json");
   auto* out = app->add_option("--out", options->out,
-                              "Record the run in a folder: run.nc, FILTER.csv, summary.json, config.json")
+                              "Record the run in a folder: run.nc, FILTER.csv, summary.json, config.json, report.html")
                   ->type_name("DIR");
   options->records.add_to(*app, out);
   app->add_option("--page", options->page, "Serve the report's page during the run; default HOST: loopback")

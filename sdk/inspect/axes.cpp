@@ -199,6 +199,17 @@ void report_change(const Channel& imu, const Best& best, const std::string& evid
 
 }  // namespace
 
+namespace {
+
+std::string signed_order_text(const Best& best) {
+  const bool is_file = !best.is_mirrored && best.X.isIdentity();
+  return std::string("turns and accelerations do not exclude every other signed order of the axes; ") +
+         (is_file ? "that of the file fits best" : "that of the file does not fit best") +
+         ", and a mounting is determined for it";
+}
+
+}  // namespace
+
 Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
               Findings* findings) {
   Axes axes;
@@ -219,9 +230,9 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
   if (confidence < 0.99) {
     axes.is_ruled_out = best.chance(best.over_identity) < 0.01;
     report_open(imu,
-                axes.is_ruled_out ? "signs or order of the axes are wrong, and these data do not show which"
-                                  : "turns and accelerations do not show which signed order of the axes is right; a "
-                                    "mounting holds for the axes as they are",
+                axes.is_ruled_out
+                    ? std::string("signs or order of the axes are wrong, and these data do not show which")
+                    : signed_order_text(best),
                 evidence, list);
     return axes;
   }

@@ -167,22 +167,36 @@ std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const 
 
 namespace {
 
-/// What a difference of clocks is known as.
-std::string known_as(double delay) {
-  struct Known {
-    double seconds;
-    const char* name;
-  };
-  static constexpr Known all[] = {{18, "leap seconds between GPS time and UTC"},
-                                  {17, "leap seconds between GPS time and UTC until 2016"},
-                                  {315964800, "from the Unix epoch to the GPS epoch"},
-                                  {315964782, "from the Unix epoch to the GPS epoch, less 18 leap seconds"},
-                                  {3600, "an hour: a time zone"},
-                                  {86400, "a day"},
-                                  {604800, "a GPS week"}};
-  for (const Known& known : all)
-    if (std::abs(std::abs(delay) - known.seconds) < 0.6) return std::string("; ") + known.name;
-  return "";
+/// What a difference of clocks is known as; exact, where it is that.
+struct KnownDelay {
+  double seconds = 0;
+  const char* name = "";
+};
+constexpr KnownDelay known_delays[] = {{18, "leap seconds between GPS time and UTC"},
+                                       {17, "leap seconds between GPS time and UTC until 2016"},
+                                       {315964800, "from the Unix epoch to the GPS epoch"},
+                                       {315964782, "from the Unix epoch to the GPS epoch, less 18 leap seconds"},
+                                       {3600, "an hour: a time zone"},
+                                       {86400, "a day"},
+                                       {604800, "a GPS week"}};
+
+const KnownDelay* known_as(double delay) {
+  const auto known = std::ranges::find_if(known_delays, [&](const KnownDelay& each) {
+    return std::abs(std::abs(delay) - each.seconds) < 0.6;
+  });
+  return known == std::end(known_delays) ? nullptr : known;
+}
+
+std::string name_of(double delay) {
+  const KnownDelay* const known = known_as(delay);
+  return known ? std::string("; ") + known->name : "";
+}
+
+/// The known difference itself where it is within 3 sigma and 0.05 s of what is seen: leap seconds are exact.
+double exact(double delay, double sigma) {
+  const KnownDelay* const known = known_as(delay);
+  if (!known || std::abs(std::abs(delay) - known->seconds) > std::min(3 * sigma, 0.05)) return delay;
+  return std::copysign(known->seconds, delay);
 }
 
 /// Text files have `time.offset`; receivers have GPS time, to which the other clock is then set.
@@ -309,9 +323,9 @@ double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inerti
   const bool matters = std::abs(found.value) > 0.1 && std::abs(found.value) > 5 * error;
   found.severity = matters ? Severity::warning : Severity::finding;
   found.text = fmt::format("{} is {:.3f} s {} {} (+- {:.3f} s){}", gnss.name, std::abs(found.value),
-                           found.value > 0 ? "late against" : "early against", imu.name, error, known_as(found.value));
+                           found.value > 0 ? "late against" : "early against", imu.name, error, name_of(found.value));
   found.evidence = fmt::format("specific force and turning against velocities, over {} windows of 20 s", n);
-  if (matters) found.meaning = clock_patch(imu, gnss, found.value);
+  if (matters) found.meaning = clock_patch(imu, gnss, exact(found.value, error));
   findings.push_back(std::move(found));
   return best;
 }

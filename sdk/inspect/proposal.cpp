@@ -71,12 +71,27 @@ void merge(Json& target, const Json& patch) {
   }
 }
 
+/// What of a finding is in the config: "delay: /sources/gnss/time/offset = 18.000 s".
+std::string note_of(const Finding& found) {
+  std::string text;
+  const Json changes = found.meaning.flatten();
+  for (const auto& [pointer, value] : changes.items())
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", pointer,
+                        value.is_string() ? value.get<std::string>() : value.dump());
+  return found.kind + ": " + text;
+}
+
 /// Changes of sources only; what is said of a channel that the config does not have is left out.
-void apply(const Findings& findings, Json& config) {
+void apply(const Findings& findings, Json& config, std::vector<std::string>& notes) {
   for (const Finding& found : findings) {
     if (!found.meaning.is_object() || !found.meaning.contains("sources")) continue;
+    bool is_used = false;
     for (const auto& [name, patch] : found.meaning["sources"].items())
-      if (config["sources"].contains(name)) merge(config["sources"][name], patch);
+      if (config["sources"].contains(name)) {
+        merge(config["sources"][name], patch);
+        is_used = true;
+      }
+    if (is_used) notes.push_back(note_of(found));
   }
 }
 
@@ -166,8 +181,8 @@ Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
   Noise noise;
   if (!inspection.start) {
     notes.push_back(
-        fmt::format("noises: gyro {}, accelerometer {}, usual of a MEMS sensor, for the record does not begin with ten "
-                    "seconds of rest and then a drive forward",
+        fmt::format("noises: gyro {}, accelerometer {}, for a MEMS sensor that vibrates, as the record does not begin "
+                    "with ten seconds of rest and then a drive forward",
                     noise.gyro_text(), noise.force_text()));
     return noise;
   }
@@ -175,13 +190,14 @@ Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
   const Noise at_rest{start.gyro_noise, start.force_noise}, least{0.1 * noise.gyro, 0.1 * noise.force};
   noise = {std::max(least.gyro, at_rest.gyro), std::max(least.force, at_rest.force)};
   const auto origin = [](bool is_least, const std::string& seen) {
-    return is_least ? "a tenth of usual, for motion adds noise; at rest it is " + seen : "that at rest";
+    return is_least ? "at rest it is " + seen + "; motion adds noise, so this is the least that is written"
+                    : "that at rest";
   };
   notes.push_back(fmt::format("noise of the gyro: {} ({})", noise.gyro_text(),
                               origin(noise.gyro > at_rest.gyro, at_rest.gyro_text())));
   notes.push_back(fmt::format("noise of the accelerometer: {} ({})", noise.force_text(),
                               origin(noise.force > at_rest.force, at_rest.force_text())));
-  notes.push_back("noise of the biases: usual of a MEMS sensor");
+  notes.push_back("noise of the biases: for a MEMS sensor");
   return noise;
 }
 
@@ -314,15 +330,16 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
                   std::vector<std::string>& notes) {
   Json config = {{"binnacle", 1},
                  {"title", inspection.start
-                               ? "Proposed by binnacle inspect; noises of the inertial sensor are those at rest"
-                               : "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
+                               ? "Proposed by binnacle inspect; noises of the inertial sensor by its rest at the begin"
+                               : "Proposed by binnacle inspect; noises for a MEMS sensor that vibrates, not measured"}};
   for (const Channel* channel : {&imu, &gnss}) config["sources"][source_name(*channel)] = source_of(*channel, folder);
-  apply(inspection.findings, config);
+  apply(inspection.findings, config, notes);
   std::string input = imu.name;
   double mounting_error = std::numeric_limits<double>::quiet_NaN();
   for (const Finding& found : inspection.findings)
     if (found.kind == "mounting" && found.channel == imu.name && found.meaning.is_object()) {
       merge(config, found.meaning);
+      notes.push_back(note_of(found));
       input = found.meaning["transforms"].begin().key();
       mounting_error = found.value;
     }
@@ -330,6 +347,8 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
   config["transforms"]["alignment"] = alignment_of(inspection, input, gnss, mounting_error, notes);
   const Eigen::Vector3d lever_arm = lever_arm_of(inspection, notes);
   config["filters"] = {{"ins", filter_of(input, gnss, noise, lever_arm, fix_of(inspection, gnss, notes))}};
+  notes.push_back("initial position: sigma of a fix and the lever arm together, for it starts at the antenna");
+  notes.push_back("gate: 0.9999, as in the configs of the manual");
   add_reference(inspection, folder, config, notes);
   config["record"] = {{"every", "0.5 s"}};
   return config;
@@ -341,8 +360,10 @@ Proposal propose(const Inspection& inspection, const std::string& folder, const 
   if (!base.empty()) {
     Json config = {{"extends", relative(base, folder)}};
     for (const Channel& channel : inspection.channels) config["sources"][source_name(channel)] = Json::object();
-    apply(inspection.findings, config);
-    return {config, "", {}};
+    Proposal proposal;
+    apply(inspection.findings, config, proposal.notes);
+    proposal.config = std::move(config);
+    return proposal;
   }
   const Channel* const imu = first(inspection.channels, [](const Channel& each) { return each.is_inertial(); });
   const Channel* const gnss = first(inspection.channels, is_full_fix);
