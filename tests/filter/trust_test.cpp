@@ -168,25 +168,6 @@ TEST_CASE("samples whose own standard deviation is none are invalid, noted by fi
   }
 }
 
-TEST_CASE("recoveries that do not last make a run lost, and as many that do leave it doubtful") {
-  const auto composition = composition_of(line("", gated));
-  for (unsigned seed = 0; seed < 10; ++seed) {
-    // The truth is at one of two places in turn, for so many seconds each.
-    const auto with_jumps = [&](int every) {
-      return run(composition, seed,
-                 [every](double t, double z, Truth&) { return z + (static_cast<int>(t) / every % 2 ? 500 : 0); });
-    };
-    const Session often = with_jumps(8), seldom = with_jumps(30);
-    INFO(said(often) << said(seldom));
-    const auto recoveries = [](const Session& session) { return session.counts(MeasurementId{{0}, 0}).recoveries; };
-    CHECK(recoveries(often) * 20 >= 1201);
-    CHECK(often.verdict(FilterId{0}) == Verdict::lost);
-    CHECK(has_code(often, "B106"));
-    CHECK(recoveries(seldom) > 10);
-    CHECK(seldom.verdict(FilterId{0}) == Verdict::doubtful);
-  }
-}
-
 TEST_CASE("a filter that locks itself out recovers by itself, says so, and is consistent again") {
   const auto composition = composition_of(line("", gated));
   double nees = 0;

@@ -129,10 +129,8 @@ class Examination {
     }
     examine_lock_out(m, tally);
     examine_share(m, tally);
-    // Lost: a recovery lasted for fewer than four times as many samples as it took refusals, on average.
-    const bool lasts = tally.recoveries < trust_.after || 4 * trust_.after * tally.recoveries < tally.offered;
-    if (const Verdict verdict = lasts ? Verdict::doubtful : Verdict::lost; tally.recoveries > 0)
-      see_({Doubt::recovered, verdict, m, -1, 0, tally.first_recovery, double(tally.recoveries), 0});
+    if (tally.recoveries > 0)
+      see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, tally.first_recovery, double(tally.recoveries), 0});
     if (tally.repeats.longest >= trust_.after && trust_.after > 0)
       see_({Doubt::frozen, Verdict::doubtful, m, -1, 0, tally.repeats.longest_since, double(tally.repeats.longest),
             double(trust_.after)});
