@@ -16,6 +16,8 @@ namespace binnacle::command {
 
 namespace {
 
+constexpr double most_of_fit = 3;  // chi-square per degree of freedom
+
 using allan::Term;
 
 /// Of a coefficient of a signal in `unit`; "rad/s" and a white term: "rad/sqrt(s)".
@@ -105,12 +107,6 @@ Json allan_json(const AllanChannel& channel) {
           {"gaps", channel.gaps},         {"missing_s", channel.missing},
           {"repeated", channel.repeated}, {"fields", fields}};
 }
-
-namespace {
-
-constexpr double most_of_fit = 3;  // chi-square per degree of freedom
-
-}  // namespace
 
 std::string allan_text(const AllanChannel& channel) {
   std::string text = fmt::format("{}: {} samples, one each {} s, over {} s\n", channel.name, channel.samples,

@@ -8,12 +8,12 @@ ENVIRONMENT = [
     ("BINNACLE_MPI_TIMEOUT", "Seconds after which a study under mpirun gives up a process that does not answer; 60."),
     ("NO_COLOR", "Where it is set, nothing is coloured."),
 ]
+MANUAL = "/usr/share/binnacle/sdk/docs"
 FILES = [
     ("/usr/share/binnacle/configs", "Configs to run and to copy. Paths are those of the Debian package."),
-    ("/usr/share/binnacle/sdk/docs", "The manual, in Markdown. README.md is its index."),
+    (MANUAL, "The manual, in Markdown. README.md is its index."),
     ("/usr/lib/binnacle", "The plugins."),
 ]
-MANUAL = "/usr/share/binnacle/sdk/docs"
 # Of a verb: others that go before or after it, and pages of the manual beside its own.
 RELATED = {
     "run": (["inspect", "check", "tune", "report", "export"], ["summary", "trust", "smoothing", "results"]),

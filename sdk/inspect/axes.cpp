@@ -197,10 +197,6 @@ void report_change(const Channel& imu, const Best& best, const std::string& evid
   }
 }
 
-}  // namespace
-
-namespace {
-
 std::string signed_order_text(const Best& best) {
   const bool is_file = !best.is_mirrored && best.X.isIdentity();
   return std::string("turns and accelerations do not exclude every other signed order of the axes; ") +

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "chi_squared_score.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -21,12 +22,6 @@ constexpr double rare = -4.75;       // normal score of a probability of 1e-6
 // (0.27 in the quickstart); errors that persist do not (0.37 at least in configs/drives and configs/land).
 constexpr double persisting = 0.3;
 constexpr double alternating = -0.2;
-
-/// Of the mean of χ² variables with d degrees of freedom together, over 1: the normal score (Wilson and Hilferty, 1931).
-double score_of(double ratio, double d) {
-  const double variance = 2 / (9 * d);
-  return (std::cbrt(ratio) - 1 + variance) / std::sqrt(variance);
-}
 
 /// Innovations of considered components are not white, even of a right filter.
 bool is_considered(const FilterInfo& filter, const MeasurementInfo& measurement) {
@@ -76,7 +71,8 @@ Conservative conservative(const FilterInfo& filter, const MeasurementInfo& measu
   if (!measurement.is_watched || counts.nis_count < enough || is_considered(filter, measurement)) return {};
   const double expected = counts.dof_mean * share_inside_gate(measurement.gate.probability);
   const double ratio = counts.nis_mean / expected;
-  if (!(ratio < material) || score_of(ratio, expected * static_cast<double>(counts.nis_count)) > rare) return {};
+  if (!(ratio < material) || chi_squared_score(ratio, expected * static_cast<double>(counts.nis_count)) > rare)
+    return {};
   const double correlation = correlation_of(counts.rows);
   const std::string figures = "'" + measurement.name + "' has a mean NIS of " + number(counts.nis_mean, 3) + " over " +
                               std::to_string(counts.nis_count) + " samples, and " + number(expected, 3) +

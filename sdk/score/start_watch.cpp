@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "chi_squared_score.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -13,12 +14,7 @@ using namespace wording;
 
 namespace {
 
-/// The NIS of `rows` rows that chance exceeds with a probability of 1e-9 (Wilson and Hilferty, 1931).
-double limit_of(int rows) {
-  constexpr double rare = 6;  // normal score
-  const double variance = 2 / (9.0 * rows);
-  return rows * std::pow(1 - variance + rare * std::sqrt(variance), 3);
-}
+constexpr double rare = 6;  // normal score of a probability of 1e-9
 
 }  // namespace
 
@@ -56,7 +52,7 @@ std::vector<std::string> StartWatch::notes(Time start) const {
   std::vector<std::string> notes;
   for (std::size_t m = 0; m < first_.size(); ++m) {
     const First& first = first_[m];
-    if (first.t == no_time || first.nis < limit_of(first.rows)) continue;
+    if (first.t == no_time || chi_squared_score(first.nis / first.rows, first.rows) < rare) continue;
     const MeasurementInfo& measurement = filter_.measurements[m];
     const RowGroupInfo& group = measurement.groups[as_size(first.group)];
     char figures[160];
