@@ -115,6 +115,7 @@ build() {
   [ $# -eq 0 ] || shift
   mkdir -p "$binnacle_build"
   (
+    set -o pipefail  # whoever sources this may not have it
     flock 9
     if [ ! -e "$binnacle_build/build.ninja" ] || [ $# -gt 0 ]; then
       run_logged "$binnacle_build/configure.log" configure "$@" || exit 1

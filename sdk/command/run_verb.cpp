@@ -246,6 +246,18 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
   print_abridged(warnings, "--summary has all that came of the data");
 }
 
+/// Lines that a receiver did not get although it was there. One that left knows.
+Diagnostics losses(const Diagnostics& warnings) {
+  const auto left = [&](const Diagnostic& loss) {
+    return std::ranges::any_of(warnings.items(),
+                               [&](const auto& other) { return other.code == "B146" && other.origin == loss.origin; });
+  };
+  Diagnostics lost;
+  for (const auto& warning : warnings.items())
+    if (warning.code == "B145" && !left(warning)) lost.add(warning);
+  return lost;
+}
+
 int run_config(Options& options) {
   options.formats = options.records.formats();
   options.checkpoints.open();
@@ -274,7 +286,10 @@ int run_config(Options& options) {
   if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
   options.checkpoints.remove();
-  if (!options.quiet) tell_warnings(*composition, result, shown);
+  if (options.quiet)
+    print_diagnostics(losses(result.warnings));
+  else
+    tell_warnings(*composition, result, shown);
   if (options.json)
     print_json(result.summary);
   else if (!options.quiet)
@@ -320,8 +335,9 @@ Verb run_verb(CLI::App& command) {
       ->excludes("--checkpoint");
   app->add_flag("--smooth", options->smooth, "Smooth every filter after the run: FILTER.smoothed");
   app->add_flag("--json", options->json, "Print the summary as JSON on stdout");
-  app->add_flag("--quiet", options->quiet,
-                "Print only errors and the reasons of verdicts: no progress, warnings or summary");
+  app->add_flag(
+      "--quiet", options->quiet,
+      "Print only errors, the reasons of verdicts and losses of lines: no progress, other warnings or summary");
   app->add_flag("--strict", options->strict, "Exit with status 1 also if a filter is doubtful, not only if it is lost");
   return {app, [options] { return run_config(*options); }};
 }

@@ -129,11 +129,26 @@ struct Outputs {
       write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
       name_other_run(folder, config);
-      write_report(folder, report_in(folder));
+      write_page();
     }
     if (!summary) return;
     summary->write(timed.dump(2) + "\n");
     summary->commit();
+  }
+  /// The page reads the results again, which takes memory. They are whole without it.
+  void write_page() const {
+    const auto fault = [this](const std::string& why) {
+      return OutputError(could_not_write(report_in(folder), why + "; the other results are complete"));
+    };
+    try {
+      write_report(folder, report_in(folder));
+    } catch (const OutputError&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw fault("memory is exhausted");
+    } catch (const std::runtime_error& error) {
+      throw fault(error.what());
+    }
   }
   void write_netcdf(const study::Study& study, const study::Results& results, const Json& figures) const {
     AtomicFile file(folder / "study.nc", AtomicFile::Temporary::named);

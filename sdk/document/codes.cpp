@@ -274,6 +274,11 @@ constexpr CodeEntry entries[] = {
      "Reduce the standard deviations or the process noise, as the note says. Correlated errors, such as those of a "
      "receiver, also give small innovations: then leave the sigmas, or model the errors as a state. `except` of "
      "`trust` suppresses the note."},
+    {"B129", "'after' long before the run",
+     "`after` of `evaluate` is a time of the data that lies farther before the start of the filter than the run lasts, "
+     "so "
+     "it leaves out nothing.",
+     "`\"start+20 s\"` counts from the start of the filter. Other times are those of the data."},
     {"B130", "adaptive noise in tuning",
      "A noise estimator computes R of a measurement from its innovations, so R follows every tuned parameter.",
      "Delete its `noise` for tuning (`--set …/noise=null`), or tune with withheld samples or a metric."},

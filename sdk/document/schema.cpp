@@ -427,13 +427,16 @@ void add_filter_definitions(Json& definitions) {
        {"process", described("process models; exactly one advances each block", named(ref("process_model")))},
        {"measurements", described("measurements, in the order of updates at one instant", named(ref("measurement")))},
        {"trust", ref("trust")},
-       {"longest_bridge", ref("quantity")},
+       {"longest_bridge",
+        described("longest hole in the driving input that one step bridges; after a longer one the filter starts anew; "
+                  "default: 10 s if an `init` has `again`, else unlimited",
+                  ref("quantity"))},
        {"covariance", described("form of the covariance P", {{"enum", {"joseph", "ud", "square_root"}}})},
        {"propagation",
         described("propagation of x and P: by the models' Jacobians (ekf), or by sigma points through the models",
                   {{"enum", {"ekf", "unscented"}}})},
-       {"emit", described("instants of the estimates on its channel: after accepted measurements, or also after each "
-                          "step of its input",
+       {"emit", described("instants of the estimates on its channel: after accepted measurements (`measurements`, "
+                          "the default), or also after each step of its input (`input`)",
                           {{"enum", {"measurements", "input"}}})},
        {"history",
         described("largest delay of a sample that is still applied at its time; `steps`: largest number of instants "
@@ -482,8 +485,9 @@ Json evaluate_schema() {
   const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
   return closed_object(
-      {{"after", described("start of scoring", ref("time"))},
-       {"until", described("end of scoring", ref("time"))},
+      {{"after",
+        described("start of scoring: a time of the data, or `start+10 s`, from the start of the filter", ref("time"))},
+       {"until", described("end of scoring, likewise", ref("time"))},
        {"estimates",
         described("estimates of filters with history that are scored and recorded", {{"enum", {"settled", "live"}}})},
        {"segments",

@@ -199,9 +199,10 @@ void report_change(const Channel& imu, const Best& best, const std::string& evid
 
 std::string signed_order_text(const Best& best) {
   const bool is_file = !best.is_mirrored && best.X.isIdentity();
-  return std::string("turns and accelerations do not exclude every other signed order of the axes; ") +
-         (is_file ? "that of the file fits best" : "that of the file does not fit best") +
-         ", and a mounting is determined for it";
+  return std::string("turns and accelerations do not exclude every other order and sign of the axes; ") +
+         (is_file
+              ? "those of the file fit best, and the mounting is computed with them"
+              : "others fit better than those of the file, with which the mounting is computed: check the mounting");
 }
 
 }  // namespace

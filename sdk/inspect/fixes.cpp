@@ -169,7 +169,7 @@ void ask_vertical(const Channel& channel, Fixes& fixes, VelocityRelation& relati
   if (fit.used == 0 || std::abs(slope) < 6 * error || error > 0.1 * std::max(1.0, std::abs(slope))) {
     Finding found = finding(channel, "vertical", "vd, height", Severity::unknown);
     found.value = slope;
-    found.text = "too little climbing to check the sign of vd and the unit of the height";
+    found.text = "too little climbing to check the sign of vd and the unit of the height: see the receiver's manual";
     found.evidence = evidence;
     findings.push_back(std::move(found));
     return;

@@ -165,6 +165,9 @@ Json fix_of(const Inspection& inspection, const Channel& gnss, std::vector<std::
   return {{"channel", gnss.name}, {"stack", {{"position", position}, {"velocity", velocity}}}, {"gate", 0.9999}};
 }
 
+constexpr const char* gyro_drift = "1e-5 rad/s/sqrt(s)";
+constexpr const char* accel_drift = "1e-3 m/s^2/sqrt(s)";
+
 /// Usual ones of a MEMS sensor, or what this one has at rest. While it moves there is more (vibration, scale errors): never less than a
 /// tenth of the usual ones.
 struct Noise {
@@ -197,7 +200,9 @@ Noise noise_of(const Inspection& inspection, std::vector<std::string>& notes) {
                               origin(noise.gyro > at_rest.gyro, at_rest.gyro_text())));
   notes.push_back(fmt::format("noise of the accelerometer: {} ({})", noise.force_text(),
                               origin(noise.force > at_rest.force, at_rest.force_text())));
-  notes.push_back("noise of the biases: for a MEMS sensor");
+  notes.push_back(fmt::format(
+      "random walk of the biases: gyro {}, accelerometer {}, usual of a MEMS sensor; 'tune' can estimate them",
+      gyro_drift, accel_drift));
   return noise;
 }
 
@@ -269,9 +274,8 @@ Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, 
           {"derived", derived},
           {"process",
            {{"strapdown", strapdown},
-            {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", "1e-5 rad/s/sqrt(s)"}}},
-            {"accel_drift",
-             {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", "1e-3 m/s^2/sqrt(s)"}}}}},
+            {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", gyro_drift}}},
+            {"accel_drift", {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", accel_drift}}}}},
           {"measurements", {{"fix", fix}}}};
 }
 
@@ -284,8 +288,9 @@ Json alignment_of(const Inspection& inspection, const std::string& input, const 
     return {{"type", "in_motion_alignment"}, {"inputs", inputs}};
   }
   const Start& start = *inspection.start;
-  notes.push_back(fmt::format("alignment: roll and pitch from {:.0f} s of rest, yaw from the course once it drives",
-                              start.seconds));
+  notes.push_back(fmt::format(
+      "alignment: roll and pitch from {:.0f} s of rest, yaw from the course once it drives; estimates begin there",
+      start.seconds));
   Json alignment = {{"type", "coarse_alignment"},
                     {"inputs", inputs},
                     {"heading", "course"},

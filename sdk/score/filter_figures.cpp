@@ -9,6 +9,7 @@
 
 #include "binnacle/unit.hpp"
 #include "filter_score.hpp"
+#include "overconfident.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -25,11 +26,28 @@ Json FilterScore::summary() const {
     if (window.filter < 0 || window.filter == filter_) windows[window.name] = figures(window.span);
   if (!windows.empty()) summary["windows"] = windows;
   if (auto withheld = withheld_figures(); !withheld.empty()) summary["withheld"] = std::move(withheld);
-  if (auto consistency = consistency_figures(); !consistency.empty()) summary["consistency"] = std::move(consistency);
+  auto consistency = consistency_figures();
+  auto all_notes = notes();
+  if (auto note = overconfident(consistency); !note.empty()) all_notes.push_back(std::move(note));
+  if (!consistency.empty()) summary["consistency"] = std::move(consistency);
   if (auto noise = noise_figures(); !noise.empty()) summary["noise"] = std::move(noise);
   if (auto unscored = unscored_figures(); !unscored.empty()) summary["unscored"] = std::move(unscored);
-  if (const auto all = notes(); !all.empty()) summary["notes"] = all;
+  if (!all_notes.empty()) summary["notes"] = std::move(all_notes);
   return summary;
+}
+
+/// A time that is meant from the start, where labels are seconds of the week or since 1970.
+void FilterScore::warn_of_early_after(Diagnostics& warnings) const {
+  const TimeSpan& span = plan_.span;
+  if (!session_->started(FilterId{filter_})) return;
+  const Time length = session_->time(FilterId{filter_}) - start();
+  if (span.from_is_relative || span.from == before_all || start() - span.from <= length) return;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "'after' is %.1f s, long before '%s' starts at %.1f s, so nothing is left out; likely intent: \"start+%g s\"",
+      seconds(span.from), info_.name.c_str(), seconds(start()), seconds(span.from));
+  warnings.warning("B129", plan_.place.origin, plan_.place.pointer + "/after", text);
 }
 
 Json FilterScore::figures(const TimeSpan& span) const {
@@ -54,6 +72,7 @@ void FilterScore::warn_of_empty_spans(Diagnostics& warnings) const {
                          ", so nothing is evaluated; the filter ran from " + ran);
   };
   look(plan_.span, plan_.place, "'after' to 'until'");
+  warn_of_early_after(warnings);
   for (const auto& window : plan_.windows)
     if (window.filter < 0 || window.filter == filter_) look(window.span, window.place, "'" + window.name + "'");
 }

@@ -190,6 +190,7 @@ class FilterScore : public StepObserver {
   void keep_noise(const UpdateRecord& record);
   static void push_error_sigmas(Reference& reference, ConstMatrixView P);
 
+  void warn_of_early_after(Diagnostics& warnings) const;
   nlohmann::ordered_json figures(const TimeSpan& span) const;
   nlohmann::ordered_json withheld_figures() const;
   nlohmann::ordered_json consistency_figures() const;

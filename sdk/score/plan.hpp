@@ -57,12 +57,16 @@ struct SmoothingPlan {
   std::optional<smooth::Lag> lag;  // nothing: fixed interval
 };
 
+/// Of spans without a limit: any start may be added to them.
+inline constexpr Time before_all = std::numeric_limits<Time>::min() / 4,
+                      after_all = std::numeric_limits<Time>::max() / 4;
+
 struct ScorePlan : SectionData {
   std::vector<FilterInfo> filters;  // of the composition, then "ins.smoothed" and the like
   std::vector<SmoothingPlan> smoothings;
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
   std::vector<ReferencePlan> references;
-  TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
+  TimeSpan span{before_all, after_all, false, false};
   Place place;                       // of the span, where the config gives one
   std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;

@@ -254,7 +254,8 @@ class Tuner {
     const Json limit = shown_value(parameter.place, rounded(parameter.value_of(outside)));
     entry["limit"] = {{"side", side}, {"value", limit}};
     entry["text"] = entry.at("text").get<std::string>() + "; the data only show that it is " + side +
-                    (limit.is_string() ? limit.get<std::string>() : limit.dump()) + ", and the start is not";
+                    (limit.is_string() ? limit.get<std::string>() : limit.dump()) +
+                    "; the value of the config is not: set it yourself";
   }
 
   /// The objective with one parameter at u.

@@ -148,7 +148,7 @@ void is_settled_like_ordered(const std::string& config, const std::string& filte
     REQUIRE(settled.end == ordered.end);
     with_replays += settled.replayed > 0;
   }
-  CHECK(2 * with_replays >= seeds);
+  CHECK(3 * with_replays >= seeds);  // of few seeds, or few sources, many are in order
 }
 
 const std::vector<std::string> spoilt = {

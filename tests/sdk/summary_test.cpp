@@ -75,6 +75,21 @@ TEST_CASE("a first sample that contradicts the initial sigma is a note with the 
   CHECK_FALSE(has(text, "derived block"));
 }
 
+TEST_CASE("errors far beyond P are a note, which names the state or block that is farthest out") {
+  const std::string reference = R"([{"channel": "drive.truth", "blocks": {"ins/position": ["lat", "lon", "height"],
+    "ins/velocity": ["vn", "ve", "vd"], "ins/attitude": ["roll", "pitch", "yaw"]}}])";
+  const std::string begin = "  note: NEES of '";
+  const auto right = stand(reference, {}),
+             wrong = stand(reference, {"--set", R"(/sources/drive/gnss/lever_arm=["20 m", 0, 0])"});
+  INFO(right.out << wrong.out);
+  CHECK(has(right.out, "NEES"));
+  CHECK_FALSE(has(right.out, begin));
+  CHECK(has(wrong.out, begin + "position' is "));
+  CHECK(has(wrong.out,
+            " over 3 degrees of freedom: P is too small for these errors, or the reference is less accurate than the "
+            "filter\n"));
+}
+
 TEST_CASE("a position that starts at the antenna's fixes with a sigma below the lever arm is noted") {
   const auto stand_with = [](const std::string& sigma) {
     const std::string fixes = R"(["2 cm", "2 cm", "4 cm"])", lever_arm = R"(["-1.5 m", "0 m", "-0.8 m"])";
@@ -216,4 +231,21 @@ TEST_CASE("a span of evaluate without a sample of a reference is reported") {
   const auto window = stand(reference, {"--set", R"(/evaluate/windows={"never": ["start+10 h", "start+11 h"]})"});
   CHECK(has(window.err, "'ins' lies in 'never'"));
   CHECK_FALSE(has(stand(reference, {}).err, "B121"));
+}
+
+TEST_CASE("an 'after' that is meant from the start, where times are seconds of the week, is found") {
+  const std::string reference = R"([{"channel": "drive.truth", "blocks": {"ins/position": ["lat", "lon", "height"]}}])";
+  const auto with_after = [&](const std::string& after, const std::string& start_time) {
+    return stand(reference, {"--set", "/sources/drive/start_time=" + start_time, "--set", "/evaluate/after=" + after})
+        .err;
+  };
+  const auto early = with_after("5 s", "345600 s");
+  INFO(early);
+  CHECK(
+      has(early,
+          "warning[B129] /evaluate/after: 'after' is 5.0 s, long before 'ins' starts at 345600.0 s, so nothing is left "
+          "out; likely intent: \"start+5 s\""));
+  CHECK_FALSE(has(with_after("start+5 s", "345600 s"), "B129"));
+  CHECK_FALSE(has(with_after("345605 s", "345600 s"), "B129"));
+  CHECK_FALSE(has(with_after("5 s", "0 s"), "B129"));
 }

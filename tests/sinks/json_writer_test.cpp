@@ -214,6 +214,31 @@ TEST_CASE("a run beside a client that never reads takes no longer, and its resul
   CHECK(served.err.find("read too slowly") != std::string::npos);
 }
 
+TEST_CASE("a quiet run says that its output was lost, unless the receiver left") {
+  const test::Workbench bench;
+  const auto quiet_run = [&](const auto& visit) {
+    const int port = free_port();
+    write_config(bench, truth_to("tcp://:" + std::to_string(port)));
+    test::Command command(bench, {"run", "live.json", "--quiet"});
+    return visit(command, connected(port, 4096));
+  };
+  const auto slow = quiet_run([](auto& command, Reading idle) {
+    const auto run = command.wait();
+    idle.close();
+    return run;
+  });
+  const auto gone = quiet_run([](auto& command, Reading client) {
+    client.close();
+    return command.wait();
+  });
+  INFO(slow.err << gone.err);
+  CHECK(slow.status == 0);
+  CHECK(slow.err.find("warning[B145]") != std::string::npos);
+  CHECK(slow.err.ends_with("\n1 warning\n"));
+  CHECK(lines_of(slow.err).size() == 2);
+  CHECK(gone.err.empty());
+}
+
 TEST_CASE("a port in use ends the run before it begins, with the place in the config") {
   const test::Workbench bench;
   const Reading taken(bound(SOCK_STREAM));

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <numeric>
 
+#include <sys/stat.h>
+
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "output/line_queue.hpp"
@@ -244,6 +246,36 @@ TEST_CASE("a client that never reads holds nobody up, and what it loses is count
   CHECK(lost_in(lost) < count + 1000);
   INFO(in_kernel << " bytes reached it");
   CHECK(in_kernel > 0);
+}
+
+TEST_CASE("a pipe's reader that begins late and reads in pieces gets all that the buffer holds") {
+  const Folder folder;
+  const std::string pipe = folder / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const Reading reading(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK));
+  auto output = output_to("file:" + pipe, 8 << 20);
+  Warnings warnings;
+  output.report_to(warnings);
+  output.open();
+  std::string received;
+  std::thread reader([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    const std::size_t size = lines(0, 200'000).size();
+    while (received.size() < size) {
+      const auto piece = reading.bytes(std::min<std::size_t>(65536, size - received.size()));
+      if (piece.empty()) break;
+      received += piece;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  for (int i = 0; i < 200'000; ++i) {
+    output.write(line(i));
+    if (i % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the worker empties its ring
+  }
+  output.close();
+  reader.join();
+  CHECK(received == lines(0, 200'000));
+  CHECK(warnings.all.empty());
 }
 
 TEST_CASE("a client that goes in mid-run ends nothing, and another may come") {

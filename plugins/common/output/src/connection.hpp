@@ -34,8 +34,8 @@ class Connection {
   /// Of datagrams: what the network said of one that was sent. "": nothing.
   std::string take_refusal();
 
-  bool has_waiting() const { return !queue_.empty(); }
-  std::int64_t lines() const { return lines_; }  // that it was given
+  std::size_t waiting() const { return queue_.waiting().size(); }  // bytes
+  std::int64_t lines() const { return lines_; }                    // that it was given
   std::int64_t lost() const { return queue_.lost(); }
   /// What still waits is lost too.
   std::int64_t unsent() const { return queue_.lost() + queue_.lines(); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -31,7 +32,8 @@ class Destination {
   virtual void watch(std::vector<pollfd>& descriptors) const = 0;
   /// When serve() has something to do though no descriptor is ready.
   virtual Clock::time_point wakes_at() const { return Clock::time_point::max(); }
-  virtual bool has_waiting() const = 0;
+  /// Bytes that are not sent yet and have a receiver.
+  virtual std::size_t waiting() const = 0;
   /// At the end: what was lost.
   virtual void conclude() = 0;
 };

@@ -72,11 +72,13 @@ class Server final : public Destination {
     descriptors.push_back({entrance_.get(), POLLIN, 0});
     for (const Client& client : clients_)
       descriptors.push_back({client.connection.descriptor(),
-                             static_cast<short>(POLLIN | (client.connection.has_waiting() ? POLLOUT : 0)), 0});
+                             static_cast<short>(POLLIN | (client.connection.waiting() > 0 ? POLLOUT : 0)), 0});
   }
 
-  bool has_waiting() const override {
-    return std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.connection.has_waiting(); });
+  std::size_t waiting() const override {
+    std::size_t bytes = 0;
+    for (const Client& client : clients_) bytes += client.connection.waiting();
+    return bytes;
   }
 
   void conclude() override {

@@ -96,7 +96,7 @@ class Single final : public Destination {
   void watch(std::vector<pollfd>& descriptors) const override {
     if (!connection_.is_open()) return;
     const int reads = address_.kind == Kind::tcp_client ? POLLIN : 0;
-    const int writes = is_connecting_ || connection_.has_waiting() ? POLLOUT : 0;
+    const int writes = is_connecting_ || connection_.waiting() > 0 ? POLLOUT : 0;
     descriptors.push_back({connection_.descriptor(), static_cast<short>(reads | writes), 0});
   }
 
@@ -104,7 +104,7 @@ class Single final : public Destination {
     return connection_.is_open() || !is_tried_again() ? Clock::time_point::max() : next_try_;
   }
 
-  bool has_waiting() const override { return connection_.is_open() && connection_.has_waiting(); }
+  std::size_t waiting() const override { return connection_.is_open() ? connection_.waiting() : 0; }
 
   void conclude() override {
     if (connection_.unsent() == 0) return;

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 #include <sys/eventfd.h>
@@ -19,7 +20,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t least_ring = 256 * 1024;
-constexpr auto longest_finish = 1s;
+
+/// How long a receiver may read nothing at the end. A program behind a pipe may still be starting.
+Clock::duration patience_with(address::Kind kind) {
+  return kind == address::Kind::standard_output || kind == address::Kind::file ? 10s : 1s;
+}
 
 /// Threads begun meanwhile get no signal: those of the process go to others, and a pipe without reader is a fault of write().
 class WithoutSignals {
@@ -40,7 +45,9 @@ class WithoutSignals {
 }  // namespace
 
 Worker::Worker(const address::Address& address, std::size_t buffer)
-    : ring_(std::max(least_ring, std::bit_ceil(buffer))), bell_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    : ring_(std::max(least_ring, std::bit_ceil(buffer))),
+      bell_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      patience_(patience_with(address.kind)) {
   if (!bell_) throw std::runtime_error(std::string("cannot be served: ") + std::strerror(errno));
   const Warn warn = [this](const char* code, std::string message) {
     const std::lock_guard lock(mutex_);
@@ -92,6 +99,7 @@ void Worker::wake() noexcept {
 
 void Worker::run() {
   auto deadline = Clock::time_point::max();
+  std::size_t least = std::numeric_limits<std::size_t>::max();  // that waited since the end
   const pollfd* ready = nullptr;
   for (;;) {
     const Stage stage = stage_;
@@ -99,8 +107,10 @@ void Worker::run() {
     distribute();
     destination_->serve(ready);
     if (stage == Stage::finishes) {
-      if (deadline == Clock::time_point::max()) deadline = Clock::now() + longest_finish;
-      if (!destination_->has_waiting() || Clock::now() >= deadline) return;
+      const std::size_t waiting = destination_->waiting();
+      if (waiting < least) deadline = Clock::now() + patience_;
+      least = std::min(least, waiting);
+      if (waiting == 0 || Clock::now() >= deadline) return;
     }
     rest(deadline);
     ready = descriptors_.data() + 1;

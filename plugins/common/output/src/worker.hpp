@@ -32,7 +32,7 @@ class Worker {
 
   /// Neither waits nor allocates.
   void add(std::string_view line) noexcept;
-  /// Sends what waits, for a second at most, and concludes.
+  /// Sends what waits, until the receiver has read nothing for a while, and concludes.
   void finish();
 
   bool has_warnings() const noexcept { return has_warnings_.load(std::memory_order_acquire); }
@@ -49,6 +49,7 @@ class Worker {
 
   LineRing ring_;
   address::Descriptor bell_;  // an eventfd
+  Clock::duration patience_;  // with a receiver that does not read at the end
   std::atomic<bool> sleeps_ = false;
   std::atomic<Stage> stage_ = Stage::runs;
   std::int64_t overrun_ = 0;  // lines for which the ring had no room

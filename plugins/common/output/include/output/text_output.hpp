@@ -38,7 +38,7 @@ class TextOutput {
   /// Of a run that keeps checkpoints: a file is cut back to where it was. What was sent to all else is gone.
   /// Throws ComponentError::in_data where the file is not what it was.
   void exchange(StateBytes& bytes);
-  /// Sends what waits, for a second at most, and reports what was lost.
+  /// Sends what waits as long as the receiver reads, and reports what was lost.
   void close();
 
  private:

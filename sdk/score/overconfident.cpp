@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overconfident.hpp"
+
+#include <cstdio>
+
+#include "chi_squared_score.hpp"
+
+namespace binnacle::score {
+
+namespace {
+
+constexpr double rare = 4.75;  // normal score of a probability of 1e-6
+
+}  // namespace
+
+std::string overconfident(const nlohmann::ordered_json& consistency) {
+  double most = rare;
+  std::string text;
+  for (const auto& [name, entry] : consistency.items()) {
+    const double nees = entry.at("nees_mean"), dof = entry.at("dof");
+    if (!(dof > 0) || (name == "state" && !text.empty())) continue;  // a block says more; the state comes last
+    const double score = chi_squared_score(nees / dof, dof);
+    if (!(score > most)) continue;
+    most = score;
+    char figures[64];
+    std::snprintf(figures, sizeof figures, "%.3g over %.3g degrees of freedom", nees, dof);
+    text = "NEES of '" + name + "' is " + figures +
+           ": P is too small for these errors, or the reference is less accurate than the filter";
+  }
+  return text;
+}
+
+}  // namespace binnacle::score
