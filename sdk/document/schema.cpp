@@ -487,7 +487,7 @@ Json evaluate_schema() {
   return closed_object(
       {{"after",
         described("start of scoring: a time of the data, or `start+10 s`, from the start of the filter", ref("time"))},
-       {"until", described("end of scoring, likewise", ref("time"))},
+       {"until", described("end of scoring, in the same forms", ref("time"))},
        {"estimates",
         described("estimates of filters with history that are scored and recorded", {{"enum", {"settled", "live"}}})},
        {"segments",
