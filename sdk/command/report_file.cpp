@@ -11,9 +11,7 @@ namespace binnacle::command {
 
 std::filesystem::path report_in(const std::filesystem::path& folder) { return folder / "report.html"; }
 
-std::size_t write_report(const std::filesystem::path& folder, const std::filesystem::path& page) {
-  return write_page(report::page(read_results(folder)), page);
-}
+std::string report_page(const std::filesystem::path& folder) { return report::page(read_results(folder)); }
 
 std::size_t write_page(const std::string& text, const std::filesystem::path& page) {
   AtomicFile file(page);

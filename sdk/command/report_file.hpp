@@ -11,11 +11,10 @@ namespace binnacle::command {
 /// Where run and study put it.
 std::filesystem::path report_in(const std::filesystem::path& folder);
 
-/// Reads what `run` or `study` left in the folder and writes its page; returns the page's bytes. Throws OutputError
-/// where results are missing or damaged, UsageError where the page cannot be made there.
-std::size_t write_report(const std::filesystem::path& folder, const std::filesystem::path& page);
+/// Of what `run` or `study` left in the folder. Throws OutputError where results are missing or damaged.
+std::string report_page(const std::filesystem::path& folder);
 
-/// The whole page at its place; returns its bytes.
+/// The whole page at its place; returns its bytes. Throws OutputError, and UsageError where it cannot be made there.
 std::size_t write_page(const std::string& text, const std::filesystem::path& page);
 
 }  // namespace binnacle::command

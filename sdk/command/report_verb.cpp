@@ -34,7 +34,7 @@ int report_one(const Options& options) {
   if (!options.pairs.empty()) throw UsageError("--pair matches filters of several runs; one folder was given");
   const std::string& folder = options.folders.front();
   const fs::path page = options.output.empty() ? report_in(folder) : fs::path(options.output);
-  const auto bytes = write_report(folder, page);
+  const auto bytes = write_page(report_page(folder), page);
   if (options.json)
     print_json({{"page", page.string()}, {"bytes", bytes}});
   else if (page != "/dev/stdout")

@@ -129,21 +129,19 @@ struct Outputs {
       write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
       name_other_run(folder, config);
-      write_page();
+      write_page(page(), report_in(folder));
     }
     if (!summary) return;
     summary->write(timed.dump(2) + "\n");
     summary->commit();
   }
-  /// The page reads the results again, which takes memory. They are whole without it.
-  void write_page() const {
+  /// Reads the results again, which takes memory. They are whole without the page.
+  std::string page() const {
     const auto fault = [this](const std::string& why) {
       return OutputError(could_not_write(report_in(folder), why + "; the other results are complete"));
     };
     try {
-      write_report(folder, report_in(folder));
-    } catch (const OutputError&) {
-      throw;
+      return report_page(folder);
     } catch (const std::bad_alloc&) {
       throw fault("memory is exhausted");
     } catch (const std::runtime_error& error) {
