@@ -276,8 +276,7 @@ constexpr CodeEntry entries[] = {
      "`trust` suppresses the note."},
     {"B129", "'after' long before the run",
      "`after` of `evaluate` is a time of the data that lies farther before the start of the filter than the run lasts, "
-     "so "
-     "it leaves out nothing.",
+     "so it leaves out nothing.",
      "`\"start+20 s\"` counts from the start of the filter. Other times are those of the data."},
     {"B130", "adaptive noise in tuning",
      "A noise estimator computes R of a measurement from its innovations, so R follows every tuned parameter.",

@@ -224,7 +224,7 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   // Angles that the motion cannot distinguish from an order of the axes would be an error of their own.
   const auto order = order_near(M);
   const Angles proposed = order && angle_between(*order, M) < 2 * error ? angles_of(*order) : angles_of(M);
-  const auto text = [](double angle) {
+  const auto text = [](double angle) {  // + 0.0: not "-0.00"
     return fmt::format("{:.2f} deg", 0.01 * std::round(100 * angle * degrees) + 0.0);
   };
   found.meaning = {{"transforms",

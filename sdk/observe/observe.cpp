@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observe/observe.hpp"
 
-#include <limits>
 #include <optional>
 
 #include "figures.hpp"
 #include "one_path.hpp"
+#include "score/sections.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::observe {
@@ -64,9 +64,7 @@ std::string time_text(const Json& time) { return time.is_string() ? time.get<std
 
 }  // namespace
 
-Window whole_run() {
-  return {"the whole run", {std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false}};
-}
+Window whole_run() { return {"the whole run", score::all_time}; }
 
 Parsed<Window> read_window(const Composition& composition, const std::string& text) {
   const Json config = Json::parse(composition.config());

@@ -26,13 +26,11 @@ Json FilterScore::summary() const {
     if (window.filter < 0 || window.filter == filter_) windows[window.name] = figures(window.span);
   if (!windows.empty()) summary["windows"] = windows;
   if (auto withheld = withheld_figures(); !withheld.empty()) summary["withheld"] = std::move(withheld);
-  auto consistency = consistency_figures();
-  auto all_notes = notes();
-  if (auto note = overconfident(consistency); !note.empty()) all_notes.push_back(std::move(note));
-  if (!consistency.empty()) summary["consistency"] = std::move(consistency);
+  const Json consistency = consistency_figures();
+  if (!consistency.empty()) summary["consistency"] = consistency;
   if (auto noise = noise_figures(); !noise.empty()) summary["noise"] = std::move(noise);
   if (auto unscored = unscored_figures(); !unscored.empty()) summary["unscored"] = std::move(unscored);
-  if (!all_notes.empty()) summary["notes"] = std::move(all_notes);
+  if (const auto all = notes(consistency); !all.empty()) summary["notes"] = all;
   return summary;
 }
 
@@ -41,7 +39,7 @@ void FilterScore::warn_of_early_after(Diagnostics& warnings) const {
   const TimeSpan& span = plan_.span;
   if (!session_->started(FilterId{filter_})) return;
   const Time length = session_->time(FilterId{filter_}) - start();
-  if (span.from_is_relative || span.from == before_all || start() - span.from <= length) return;
+  if (span.from_is_relative || span.from == all_time.from || start() - span.from <= length) return;
   char text[160];
   std::snprintf(
       text, sizeof text,
@@ -59,7 +57,7 @@ Json FilterScore::figures(const TimeSpan& span) const {
   return figures;
 }
 
-void FilterScore::warn_of_empty_spans(Diagnostics& warnings) const {
+void FilterScore::warn_of_spans(Diagnostics& warnings) const {
   bool is_scored = false;
   for (const Series* series : reference_series()) is_scored = is_scored || !series->t.empty();
   if (!is_scored) return;
@@ -72,9 +70,9 @@ void FilterScore::warn_of_empty_spans(Diagnostics& warnings) const {
                          ", so nothing is evaluated; the filter ran from " + ran);
   };
   look(plan_.span, plan_.place, "'after' to 'until'");
-  warn_of_early_after(warnings);
   for (const auto& window : plan_.windows)
     if (window.filter < 0 || window.filter == filter_) look(window.span, window.place, "'" + window.name + "'");
+  warn_of_early_after(warnings);
 }
 
 Json FilterScore::withheld_figures() const {
@@ -179,14 +177,16 @@ Json FilterScore::unscored_figures() const {
   return unscored;
 }
 
-std::vector<std::string> FilterScore::notes() const {
-  std::vector<MeasurementCounts> counts;
-  if (!session_) return {};
-  for (int m = 0; m < static_cast<int>(info_.measurements.size()); ++m)
-    counts.push_back(session_->counts(MeasurementId{{filter_}, m}));
-  auto all = gates_.notes(counts);
-  if (session_->started({filter_}))
-    std::ranges::move(first_samples_.notes(session_->start_time({filter_})), std::back_inserter(all));
+std::vector<std::string> FilterScore::notes(const Json& consistency) const {
+  std::vector<std::string> all;
+  if (session_) {
+    std::vector<MeasurementCounts> counts;
+    for (int m = 0; m < static_cast<int>(info_.measurements.size()); ++m)
+      counts.push_back(session_->counts(MeasurementId{{filter_}, m}));
+    all = gates_.notes(counts);
+    if (session_->started({filter_})) std::ranges::move(first_samples_.notes(start()), std::back_inserter(all));
+  }
+  if (auto note = overconfident(consistency); !note.empty()) all.push_back(std::move(note));
   return all;
 }
 

@@ -112,8 +112,9 @@ class FilterScore : public StepObserver {
   /// All series that stand under "reference", once per name: channels first, then what was withheld.
   std::vector<const Series*> reference_series() const;
 
-  /// A warning for each span of "evaluate" that no sample of this filter's references falls into (B121).
-  void warn_of_empty_spans(Diagnostics& warnings) const;
+  /// A warning for each span of "evaluate" that no sample of this filter's references falls into (B121), and for an
+  /// 'after' that leaves out nothing, long before the run (B129).
+  void warn_of_spans(Diagnostics& warnings) const;
   /// For each metric of segments that has none, with the reason (B125).
   void warn_of_no_segments(const Metric& metric, Diagnostics& warnings) const;
   Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : start_; }
@@ -198,7 +199,7 @@ class FilterScore : public StepObserver {
   nlohmann::ordered_json state_figures() const;
   nlohmann::ordered_json noise_figures() const;
   nlohmann::ordered_json unscored_figures() const;
-  std::vector<std::string> notes() const;
+  std::vector<std::string> notes(const nlohmann::ordered_json& consistency) const;
   bool is_component(const Subject& subject) const;
   std::vector<double> with_whole_turns(const Subject& subject) const;
 

@@ -2,7 +2,6 @@
 // What a composition's runs are judged by, as the config has it: immutable, kept by the composition.
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "binnacle/section.hpp"
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
+#include "score/sections.hpp"
 #include "segments.hpp"
 #include "smooth/fixed_lag.hpp"
 
@@ -57,16 +57,12 @@ struct SmoothingPlan {
   std::optional<smooth::Lag> lag;  // nothing: fixed interval
 };
 
-/// Of spans without a limit: any start may be added to them.
-inline constexpr Time before_all = std::numeric_limits<Time>::min() / 4,
-                      after_all = std::numeric_limits<Time>::max() / 4;
-
 struct ScorePlan : SectionData {
   std::vector<FilterInfo> filters;  // of the composition, then "ins.smoothed" and the like
   std::vector<SmoothingPlan> smoothings;
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
   std::vector<ReferencePlan> references;
-  TimeSpan span{before_all, after_all, false, false};
+  TimeSpan span = all_time;
   Place place;                       // of the span, where the config gives one
   std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;

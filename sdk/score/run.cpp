@@ -144,7 +144,7 @@ class Scorer final : public binnacle::RunObserver {
       figures.update(run_figures(*session_, filter));
       add_wait(filter, figures);
       doubts_.merge(session_->doubts(filter));
-      scores_[f]->warn_of_empty_spans(doubts_);
+      scores_[f]->warn_of_spans(doubts_);
     }
     add_causes();
     for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)

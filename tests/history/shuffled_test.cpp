@@ -19,7 +19,7 @@ namespace {
 #ifdef NDEBUG
 constexpr int seeds = 100;
 #else
-constexpr int seeds = 5;
+constexpr int seeds = 10;  // of five, three leave one of the configs in order
 #endif
 
 /// All that a run leaves, to the bit: time, state and P after each instant, references, and at the end counts and doubts.
@@ -148,7 +148,7 @@ void is_settled_like_ordered(const std::string& config, const std::string& filte
     REQUIRE(settled.end == ordered.end);
     with_replays += settled.replayed > 0;
   }
-  CHECK(3 * with_replays >= seeds);  // of few seeds, or few sources, many are in order
+  CHECK(2 * with_replays >= seeds);
 }
 
 const std::vector<std::string> spoilt = {

@@ -108,8 +108,10 @@ void Worker::run() {
     destination_->serve(ready);
     if (stage == Stage::finishes) {
       const std::size_t waiting = destination_->waiting();
-      if (waiting < least) deadline = Clock::now() + patience_;
-      least = std::min(least, waiting);
+      if (waiting < least) {
+        least = waiting;
+        deadline = Clock::now() + patience_;
+      }
       if (waiting == 0 || Clock::now() >= deadline) return;
     }
     rest(deadline);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,8 +12,12 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/time.hpp"
 
 namespace binnacle::score {
+
+/// Where a config gives no limit. The start of a filter may be added to its ends.
+inline constexpr TimeSpan all_time{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4};
 
 /// The options with readers of `reference`, `evaluate`, `record` and the filters' `implied_states`, and with `study`,
 /// `covariance` and `metrics` left to those who read them from Composition::config().
