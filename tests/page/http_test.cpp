@@ -147,9 +147,9 @@ TEST_CASE("page: events have the run so far, and the last one its verdict") {
 }
 
 TEST_CASE("page: one who comes late sees what there is from then on, and counts of all") {
-  const PacedRun run;
+  PacedRun run;
   run.open_until(60);
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  run.wait_until_held(60);
   Client viewer(run.port());
   viewer.send(get(run, "/events"));
   run.open_until(80);

@@ -149,8 +149,8 @@ TEST_CASE("page: a million instants, as fast as they go") {
   chromium->visit(run.url());
   chromium->wait_for("document.documentElement.dataset.live === 'goes on'");
   run.open();
-  chromium->wait_for("document.documentElement.dataset.live === 'over'");
   const auto outcome = run.wait();
+  chromium->wait_for("document.documentElement.dataset.live === 'over'");
   REQUIRE(outcome.status == 0);
   const Json summary = Json::parse(outcome.out)["filters"]["ins"];
   REQUIRE(summary["steps"].get<int>() > 999'000);

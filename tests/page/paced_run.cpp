@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 
@@ -51,6 +52,14 @@ PacedRun::PacedRun(const std::vector<std::string>& more_arguments)
 void PacedRun::open_until(double t) const {
   bench_.write("next", std::to_string(t));
   std::filesystem::rename(bench_.path("next"), bench_.path("open"));
+}
+
+void PacedRun::wait_until_held(double t) {
+  const std::string file = bench_.path("open.held");
+  for (double held = -1; held != t; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+    if (!command_.is_running()) throw std::runtime_error("the run has ended");
+    std::ifstream(file) >> held;
+  }
 }
 
 Client::Client(int port, int receive_buffer) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {

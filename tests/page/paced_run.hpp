@@ -17,6 +17,8 @@ class PacedRun {
   /// Full speed until t [s]; from there on a hundredth of a second of data takes two of the clock.
   void open_until(double t) const;
   void open() const { open_until(1e9); }
+  /// Until the run is held up at t [s], which it is open until.
+  void wait_until_held(double t);
   Outcome wait() { return command_.wait(); }
   void kill() { command_.signal(9); }
 

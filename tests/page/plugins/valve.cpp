@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sink that holds a run up: at full speed until a time that a file gives, slowly from there on.
+// A sink that holds a run up: at full speed until a time that a file gives, slowly from there on. It says so in FILE.held.
 #include <chrono>
 #include <fstream>
 #include <string>
@@ -29,12 +29,14 @@ class Valve final : public Sink {
     using namespace std::chrono_literals;
     if (seconds(sample.t) <= open_until_) return;
     std::ifstream(path_) >> open_until_;
-    if (seconds(sample.t) > open_until_) std::this_thread::sleep_for(20ms);
+    if (seconds(sample.t) <= open_until_) return;
+    if (held_at_ != open_until_) std::ofstream(path_ + ".held") << (held_at_ = open_until_) << '\n';
+    std::this_thread::sleep_for(20ms);
   }
 
  private:
   std::string path_;
-  double open_until_ = 0;
+  double open_until_ = 0, held_at_ = -1;
 };
 
 }  // namespace
