@@ -8,7 +8,7 @@ import tempfile
 import time
 import unittest
 
-BINNACLE, PROJECT = os.environ["BINNACLE"], os.environ["PROJECT"]
+BINNACLE, PROJECT, TIMEOUT = os.environ["BINNACLE"], os.environ["PROJECT"], float(os.environ["TIMEOUT"])
 QUICKSTART = f"{PROJECT}/configs/quickstart.json"
 LATE = '/sources/drive/latency={"uniform": [0, "1.9 s"]}'
 
@@ -25,7 +25,7 @@ class Pace(unittest.TestCase):
         return [BINNACLE, "run", config, "--quiet", "--out", out, *(word for text in sets for word in ("--set", text))]
 
     def run_it(self, *more, config=QUICKSTART, sets=(), out="out", status=0, **how):
-        done = subprocess.run([*self.words(config, sets, out), *more], capture_output=True, text=True, timeout=100, **how)
+        done = subprocess.run([*self.words(config, sets, out), *more], capture_output=True, text=True, timeout=TIMEOUT, **how)
         self.assertEqual(done.returncode, status, done.stderr)
         return self.left(out) if status == 0 else done.stderr
 
