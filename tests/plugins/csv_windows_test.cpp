@@ -317,6 +317,10 @@ TEST_CASE("csv: a reader that is left early leaves no thread behind") {
   std::string content;
   for (int i = 0; i < 1'000'000; ++i) content += "0,1,2\n";
   const TemporaryFile file(gzipped(content), "data.csv.gz");
+#ifdef __SANITIZE_THREAD__
+  std::thread([] {}).join();  // with the first, the sanitizer starts one of its own, for good
+  while (threads() > 2) std::this_thread::yield();
+#endif
   const auto before = threads();
   for (const int lines : {1, 50000, 200000}) {
     text_file::LineReader reader(file.path());
