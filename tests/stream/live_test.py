@@ -119,7 +119,7 @@ class Live(unittest.TestCase):
             with open(f"/proc/{process.pid}/stat") as file:
                 state, *numbers = file.read().rsplit(")", 1)[1].split()
             now = sum(map(int, numbers[10:12]))  # of 30 in 0.3 s
-            if state == "Z" or (state == "S" and used is not None and now < used + 6 and now > 10):
+            if state == "Z" or (state == "S" and used is not None and now <= used + 3 and now > 10):
                 break
             used = now if state == "S" else None
         process.send_signal(number)
