@@ -78,8 +78,8 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
     if (rows.empty()) return;
     H_ = record.H.as()(rows, Eigen::all);
     const auto m = static_cast<int>(rows.size());
-    information_->update(sample.measurement, ConstMatrixView(H_.data(), m, record.H.cols, m),
-                         ConstMatrixView(sample.R.data(), m, m, m));
+    information_->update(sample.measurement, ConstMatrixView{H_.data(), m, record.H.cols, m},
+                         ConstMatrixView{sample.R.data(), m, m, m});
     ++next_;
     ++found_;
   }
