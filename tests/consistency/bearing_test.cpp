@@ -89,7 +89,7 @@ TEST_CASE("of a target's bearing alone, at least one way to update is consistent
   const std::vector<std::pair<std::string, std::string>> ways = {{"ekf", R"("ekf")"},
                                                                  {"iterated", R"({"type": "iterated", "max": 20})"},
                                                                  {"unscented", R"("unscented")"}};
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::vector<Series> all;
     for (const auto& [name, update] : ways) all.push_back(monte_carlo(update, seed));
     std::printf("\nNEES of the whole state (4), mean of %d runs (seed %d), after the bearing at\n  t [s]    ", runs,
