@@ -76,8 +76,8 @@ Reading outcome_of(const ParameterValue& value, const Limits& limits = {}) {
 void require_same(const ParameterValue& value, const std::string& content) {
   const Reading whole = outcome_of(value);
   INFO(content << "\nwhole: " << whole.said);
-  for (const std::size_t window : {1, 2, 3, 5, 8, 13, 31, 64, 200})
-    for (const std::size_t block : {1, 150, 1000}) {
+  for (const std::size_t window : {1U, 2U, 3U, 5U, 8U, 13U, 31U, 64U, 200U})
+    for (const std::size_t block : {1U, 150U, 1000U}) {
       INFO("windows of " << window << ", blocks of " << block);
       const Reading in_pieces = outcome_of(value, pieces(window, block));
       REQUIRE(in_pieces.said == whole.said);
@@ -343,7 +343,7 @@ TEST_CASE("csv: the median step is exact, however many lengths there are") {
     };
     auto sorted = lengths;
     std::ranges::sort(sorted);
-    for (const std::size_t most : {1, 2, 40, 1000}) {
+    for (const std::size_t most : {1U, 2U, 40U, 1000U}) {
       csv::StepCounts counts(most);
       for (const Time each : lengths) counts.add({0, each, 0});
       REQUIRE(counts.median(pass) == sorted[sorted.size() / 2]);

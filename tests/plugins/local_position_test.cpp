@@ -68,8 +68,8 @@ TEST_CASE("geodetic_from_local is the inverse, with down or with up", "[frames]"
   CHECK(lla[2] == Approx(115 - 300 + (20000.0 * 20000 + 15000.0 * 15000) / (2 * 6.38e6)).margin(0.5));
   CHECK(std::abs(lla[3] - 3) > 1e-3);  // the axes of the place are others
   const auto back = made_of<LocalFromGeodetic>(lla);
-  for (const std::size_t i : {0, 1, 2}) CHECK(back[i] == Approx(local[i]).margin(1e-7));
-  for (const std::size_t i : {3, 4, 5}) CHECK(back[i + 1] == Approx(local[i]).margin(1e-9));
+  for (const std::size_t i : {0U, 1U, 2U}) CHECK(back[i] == Approx(local[i]).margin(1e-7));
+  for (const std::size_t i : {3U, 4U, 5U}) CHECK(back[i + 1] == Approx(local[i]).margin(1e-9));
   CHECK(made_of<GeodeticFromLocal>({20000, -15000, -300, 3, -4, -0.5}, {}, {{"vertical", "up"}}) == lla);
 }
 

@@ -201,7 +201,7 @@ TEST_CASE("garbage, a wrong checksum, text of NMEA and a cut end are counted, an
 TEST_CASE("the framer accounts for every byte, whatever the blocks in which they come") {
   const std::string one = header_pvt();
   const std::string bytes = "xx" + one + "\xB5\x62\x01" + one.substr(0, 40) + one + "$text\r\n!" + one.substr(0, 99);
-  for (const std::size_t block : {1, 3, 64, 1000}) {
+  for (const std::size_t block : {1U, 3U, 64U, 1000U}) {
     Framer framer;
     Frame frame;
     std::size_t frames = 0;

@@ -56,7 +56,7 @@ TEST_CASE("a series is kept whole as long as it may be drawn whole") {
 
 TEST_CASE("of a long series the extremes of every stretch are kept, whatever the blocks it came in") {
   const Rows rows = noisy(200'000);
-  for (const std::size_t block : {1, 64, 1000, 8192}) {
+  for (const std::size_t block : {1U, 64U, 1000U, 8192U}) {
     const auto series = thinned(rows, 2000, block);
     REQUIRE(series.t().size() <= 2001);
     REQUIRE(series.t().size() > 500);
