@@ -66,7 +66,7 @@ TEST_CASE("what nmea_writer writes the nmea source reads again, to the digit, ac
     CAPTURE(seconds(t));
     REQUIRE(fixes.count(t) == 1);
     const auto& fix = fixes.at(t);
-    const auto of = [&](const char* name) { return is.at(name).get<double>(); };
+    const auto of = [&values = is](const char* name) { return values.at(name).get<double>(); };
     const auto error = [&](const char* name) { return std::abs(fix.at(name).get<double>() - of(name)); };
     REQUIRE(error("lat") <= half_a_digit_of_angle);
     REQUIRE(error("lon") <= half_a_digit_of_angle);

@@ -207,7 +207,7 @@ double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
 template <class Process>
 void check_frozen_position(const nlohmann::json& more = nlohmann::json::object()) {
   for (const bool with_sensor_errors : {false, true})
-    for (const std::size_t count : {1, 3}) {
+    for (const std::size_t count : {1U, 3U}) {
       const nlohmann::json noise{0.03, 0.02, 0.01};
       const InertialBench<Process> whole("second", with_sensor_errors, noise, noise, more);
       const InertialBench<Process> frozen("second", with_sensor_errors, noise, noise, more, {"position"});
