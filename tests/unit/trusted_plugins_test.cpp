@@ -123,10 +123,10 @@ TEST_CASE("a config may name a plugin that was built here and not touched since"
 
 TEST_CASE("a plugin that others could exchange is refused", "[catalog]") {
   const Scratch scratch;
-  const fs::path folder = scratch.path / "open", file = good_in(folder / "inner");
+  const fs::path outer = scratch.path / "open", file = good_in(outer / "inner");
   CHECK(loaded(file) == "");
   SECTION("since everybody may write its folder, or one above") {
-    for (const fs::path& open : {folder / "inner", folder}) {
+    for (const fs::path& open : {outer / "inner", outer}) {
       fs::permissions(open, fs::perms::others_write, fs::perm_options::add);
       CHECK(loaded(file) == file.string() + ": error[B044]: the plugin's folder '" + open.string() +
                                 "' is world-writable, so it is not loaded; chmod o-w it");
@@ -183,15 +183,15 @@ TEST_CASE("a relative folder of BINNACLE_PLUGIN_PATH is not searched, and the wh
                                                                {scratch.path / "inner", ".."},
                                                                {scratch.path / "inner",
                                                                 "../../" + scratch.path.filename().string()}};
-  for (const auto& [at, folder] : cases) {
+  for (const auto& [at, searched] : cases) {
     fs::current_path(at);
-    const Variable folders("BINNACLE_PLUGIN_PATH", folder);
+    const Variable folders("BINNACLE_PLUGIN_PATH", searched);
     Catalog catalog;
     Diagnostics diagnostics;
     catalog.load_search_path({}, diagnostics, {"/nowhere/at/all"});
     fs::current_path(before);
     CHECK(catalog.plugins().empty());
-    CHECK(diagnostics.text().find("warning[B040]: BINNACLE_PLUGIN_PATH: '" + folder +
+    CHECK(diagnostics.text().find("warning[B040]: BINNACLE_PLUGIN_PATH: '" + searched +
                                   "' is not searched, because its meaning depends on the working folder; write '" +
                                   scratch.path.string()) == 0);
   }
