@@ -15,8 +15,7 @@ using simulation::never;
 struct TargetSimulator::Memory {
   std::int64_t next;           // tick
   std::int64_t is_truth_next;  // of the same tick
-  Time t;                      // of the target below
-  double p[2], v[2];           // m, m/s
+  double p[2], v[2];           // of the target at the last tick: m, m/s
   random::Philox wander_stream, noise_stream;
 };
 
@@ -102,7 +101,6 @@ void TargetSimulator::declare_channels() {
 void TargetSimulator::initialise(std::uint64_t seed, const MemoryView& bytes) const {
   Memory memory{.next = 0,
                 .is_truth_next = 0,
-                .t = 0,
                 .p = {},
                 .v = {},
                 .wander_stream = random::stream(seed, "target.acceleration"),
@@ -115,11 +113,11 @@ void TargetSimulator::initialise(std::uint64_t seed, const MemoryView& bytes) co
   bytes[memory_] = memory;
 }
 
-/// The increments over dt have the covariance q² [dt³/3, dt²/2; dt²/2, dt].
-void TargetSimulator::advance(Memory& memory, Time t) const {
-  const double dt = seconds(t - memory.t), root = q_ * std::sqrt(dt);
-  memory.t = t;
-  for (int i = 0; i < 2 && dt > 0; ++i) {
+/// To the next tick. The increments over dt have the covariance q² [dt³/3, dt²/2; dt²/2, dt].
+void TargetSimulator::advance(Memory& memory) const {
+  if (memory.next == 0) return;  // the target starts there
+  const double dt = clock_.interval_before(memory.next), root = q_ * std::sqrt(dt);
+  for (int i = 0; i < 2; ++i) {
     const double a = random::normal(memory.wander_stream), b = random::normal(memory.wander_stream);
     memory.p[i] += dt * memory.v[i] + root * dt * (0.5 * a + b / std::sqrt(12.0));
     memory.v[i] += root * a;
@@ -139,7 +137,7 @@ SourceStatus TargetSimulator::next(const MemoryView& bytes, SourceOutput& out) c
   if (t == never) return SourceStatus::end;
   if (memory.is_truth_next == 0) {
     memory.is_truth_next = 1;
-    advance(memory, t);
+    advance(memory);
     SampleWriter& sample = out.on(bearing_channel_);
     const Vector2d observer = observer_at(seconds(t)), d = Vector2d(memory.p[0], memory.p[1]) - observer;
     const double azimuth = std::atan2(d[1], d[0]) + sigma_ * random::normal(memory.noise_stream);

@@ -40,7 +40,7 @@ class TargetSimulator final : public Source {
   struct Memory;
   void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
   void declare_channels();
-  void advance(Memory& memory, Time t) const;
+  void advance(Memory& memory) const;
   Vector2d observer_at(double t) const;
 
   Time duration_;
