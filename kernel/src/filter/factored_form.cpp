@@ -393,7 +393,7 @@ bool FactoredForm::is_below(double limit) const {
 /// Made anew only of a factor that is not the one before, to the bit: whoever writes the arena need not say so.
 ConstMatrixView FactoredForm::expand() const {
   const ConstMatrixView P{P_.data(), n_, n_, ld_};
-  if (std::memcmp(memory_, made_of_.data(), doubles_ * sizeof(double)) == 0) return P;
+  if (doubles_ == 0 || std::memcmp(memory_, made_of_.data(), doubles_ * sizeof(double)) == 0) return P;
   std::copy_n(memory_, doubles_, made_of_.data());
   const double* const w = weights(memory_);
   std::fill(P_.begin(), P_.end(), 0.0);
