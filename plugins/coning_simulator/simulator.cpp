@@ -110,8 +110,11 @@ void ConingSimulator::declare_channels() {
   truth_channel_ = declaration_.emits(std::move(of_truth));
 }
 
-Time ConingSimulator::end_of(std::int64_t sample) const {
-  return static_cast<Time>(1e9L * interval_ * static_cast<long double>(sample) + 0.5L);
+Time ConingSimulator::end_of(std::int64_t sample) const { return static_cast<Time>(nanoseconds_at(sample) + 0.5L); }
+
+Time ConingSimulator::due(std::int64_t sample) const {
+  const bool is_within = simulation::is_instant(nanoseconds_at(sample)) && end_of(sample) <= duration_;
+  return is_within ? end_of(sample) : simulation::never;
 }
 
 /// The part of a cycle, from the exact product: after an hour a double's would be good to 1e-11 only, and a drift of
@@ -123,7 +126,7 @@ double ConingSimulator::cycle_at(long double seconds) const {
 
 SourceStatus ConingSimulator::next(const MemoryView& bytes, SourceOutput& out) const {
   Memory& memory = bytes[memory_];
-  const Time sample_due = end_of(memory.next_sample) <= duration_ ? end_of(memory.next_sample) : simulation::never;
+  const Time sample_due = due(memory.next_sample);
   const Time truth_due = truth_clock_.due(memory.next_truth, duration_);
   if (sample_due == simulation::never && truth_due == simulation::never) return SourceStatus::end;
   if (truth_due <= sample_due) {

@@ -27,7 +27,9 @@ class ConingSimulator final : public Source {
 
   explicit ConingSimulator(const Parameters& parameters);
   void declare_channels();
+  long double nanoseconds_at(std::int64_t sample) const { return 1e9L * interval_ * static_cast<long double>(sample); }
   Time end_of(std::int64_t sample) const;
+  Time due(std::int64_t sample) const;
   double cycle_at(long double seconds) const;
   void emit_imu(std::int64_t sample, SampleWriter& out) const;
   void emit_truth(Time t, SampleWriter& out) const;

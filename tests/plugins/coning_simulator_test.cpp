@@ -5,7 +5,9 @@
 #include "binnacle/testing.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -157,4 +159,20 @@ TEST_CASE("coning: on the earth the mechanization finds truth again", "[coning]"
 
 TEST_CASE("coning: samples of a thousand cycles are refused", "[coning]") {
   CHECK_THROWS_AS(bound({{"frequency", 1e4}, {"interval", 1}}), ComponentError);
+}
+
+TEST_CASE("coning: a damaged memory counts no sample that the run does not have", "[coning]") {
+  const auto source =
+      bound({{"half_angle", "1 deg"}, {"frequency", "1 Hz"}, {"duration", "1 s"}, {"interval", "0.1 s"}});
+  const binnacle::testing::SourceCaller caller(*source);
+  for (const std::int64_t damaged : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1'000'000'000},
+                                     std::numeric_limits<std::int64_t>::max()}) {
+    auto memory = caller.fresh_memory(1);
+    std::memcpy(memory.data(), &damaged, sizeof damaged);  // the first member: the next sample
+    for (auto next = caller.next(memory.data()); next.status != SourceStatus::end; next = caller.next(memory.data())) {
+      INFO(damaged << ": " << next.damage);
+      REQUIRE(next.damage.empty());
+      REQUIRE(next.sample.channel == ConingSimulator::truth);
+    }
+  }
 }
