@@ -13,8 +13,8 @@ using strapdown::PlaceKind;
 constexpr std::array<std::array<const char*, 3>, 3> all_names = {
     {{"lat", "lon", "height"}, {"x", "y", "z"}, {"north", "east", "down"}}};
 
-std::string joined(const std::array<const char*, 3>& names) {
-  return std::string(names[0]) + ", " + names[1] + ", " + names[2];
+std::string joined(const std::array<const char*, 3>& words) {
+  return std::string(words[0]) + ", " + words[1] + ", " + words[2];
 }
 
 }  // namespace

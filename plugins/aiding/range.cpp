@@ -10,7 +10,7 @@ namespace binnacle::aiding {
 
 namespace {
 
-constexpr double nearest = 1e-3;  // m: nearer to an anchor there is no direction
+constexpr double nearest_anchor = 1e-3;  // m: nearer to an anchor there is no direction
 
 }  // namespace
 
@@ -120,7 +120,7 @@ Result Range::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
     }
     const Eigen::Vector3d d = place.r - anchor->r;
     const double length = d.norm();
-    if (!(length > nearest) || !std::isfinite(length)) {
+    if (!(length > nearest_anchor) || !std::isfinite(length)) {
       in.notes.leave("a row is left out: the sensor is at the anchor, or its position is not finite");
       continue;
     }

@@ -10,7 +10,7 @@ namespace binnacle::aiding {
 
 namespace {
 
-constexpr double nearest = 1e-3;  // m: nearer to an anchor there is no direction
+constexpr double nearest_of_pair = 1e-3;  // m: nearer to an anchor there is no direction
 
 /// Which anchors hang together by the pairs so far.
 class Groups {
@@ -112,7 +112,7 @@ bool RangeDifference::arrive(const MeasurementInput& in, const strapdown::Cartes
                              Arrival& arrival) const {
   const Eigen::Vector3d d = place.r - arrival.anchor.r;
   const double length = d.norm();
-  if (!(length > nearest) || !std::isfinite(length)) {
+  if (!(length > nearest_of_pair) || !std::isfinite(length)) {
     in.notes.leave("a row is left out: the sensor is at an anchor, or its position is not finite");
     return false;
   }

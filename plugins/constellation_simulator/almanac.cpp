@@ -19,7 +19,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::optional<double> number(std::string_view text) {
+std::optional<double> read_number(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -69,7 +69,7 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
       const auto colon = line.find(':');
       if (colon == std::string_view::npos) continue;  // headings and blank lines
       const std::string_view name = trimmed(line.substr(0, colon));
-      const auto value = number(trimmed(line.substr(colon + 1)));
+      const auto value = read_number(trimmed(line.substr(colon + 1)));
       if (!value) throw damaged("'" + std::string(name) + "' is followed by no number");
       if (begins(name, "ID")) {
         finish();

@@ -59,7 +59,9 @@ ComponentError changed(const Layout& layout, int line) {
                                  line, "B061");
 }
 
-/// What was read once without a fault has none.
+}  // namespace
+
+/// Faults of the second pass: what was read once without one has none.
 class NoFaults : public RowFaults {
  public:
   explicit NoFaults(const Layout& layout) : layout_(layout) {}
@@ -70,6 +72,8 @@ class NoFaults : public RowFaults {
  private:
   const Layout& layout_;
 };
+
+namespace {
 
 std::size_t samples_of_block(const Layout& layout, const Limits& limits) {
   const std::size_t rows = layout.rows ? static_cast<std::size_t>(layout.rows->most) : 1;

@@ -36,7 +36,7 @@ std::vector<FieldSpec> writable_fields() {
   return fields;
 }
 
-ParameterSpec column_spec() {
+ParameterSpec written_column() {
   return parameter::object(
       "field", {parameter::text("column").about("name of the column in the header; default: the field's name"),
                 parameter::number("unit", "*")
@@ -67,7 +67,7 @@ ComponentSpec CsvWriter::spec() {
   spec.source = "RFC 4180 (text/csv)";
   spec.parameters = {
       parameter::path("path").required().about("output file; complete at the end of the run"),
-      parameter::map("columns", column_spec()).required().about("columns from left to right after the time"),
+      parameter::map("columns", written_column()).required().about("columns from left to right after the time"),
       parameter::text("time").defaults("\"t_s\"").about("name of the time column, in seconds"),
       parameter::time("offset").defaults("0").about("offset added to every time")};
   spec.inputs = {

@@ -15,7 +15,7 @@ namespace {
 
 using text_file::FileFault;
 
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
+std::string shortened_in_quotes(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
 
 bool is_chosen(const Where& where, const std::vector<std::string_view>& cells) {
   return where.index < cells.size() && cells[where.index] == where.text;
@@ -32,8 +32,8 @@ std::string comma_hint(std::string_view cell) {
 std::string describe(CellFault fault, std::string_view cell, const char* limits) {
   switch (fault) {
     case CellFault::empty: return " is empty";
-    case CellFault::out_of_range: return ": " + quoted(cell) + " is beyond " + limits;
-    default: return ": " + quoted(cell) + " is not a number" + comma_hint(cell);
+    case CellFault::out_of_range: return ": " + shortened_in_quotes(cell) + " is beyond " + limits;
+    default: return ": " + shortened_in_quotes(cell) + " is not a number" + comma_hint(cell);
   }
 }
 
@@ -55,7 +55,7 @@ std::string count_of(std::size_t count, const char* thing) {
 }
 
 std::string no_such_row(const Where& where) {
-  return "no line has " + quoted(where.text) + " in column '" + where.name + "'";
+  return "no line has " + shortened_in_quotes(where.text) + " in column '" + where.name + "'";
 }
 
 bool Rows::next(std::vector<std::string_view>& cells) {

@@ -11,8 +11,8 @@ namespace binnacle::gnss_fix {
 
 namespace {
 
-constexpr const char* sigma_prefix = "position_sd";
-constexpr std::array<const char*, 3> sigma_flaws = {"position_sd_n is 0, negative or not finite",
+constexpr const char* position_sigma_prefix = "position_sd";
+constexpr std::array<const char*, 3> position_sigma_flaws = {"position_sd_n is 0, negative or not finite",
                                                     "position_sd_e is 0, negative or not finite",
                                                     "position_sd_d is 0, negative or not finite"};
 
@@ -31,7 +31,7 @@ ComponentSpec PositionFix::spec() {
   spec.fields = {field::level("lat", "rad").about("geodetic latitude, WGS-84"),
                  field::level("lon", "rad").about("longitude, east positive"),
                  field::level("height", "m").about("height above the ellipsoid")};
-  for (FieldSpec& field : ReportedSigma::fields(sigma_prefix, "m")) spec.fields.push_back(std::move(field));
+  for (FieldSpec& field : ReportedSigma::fields(position_sigma_prefix, "m")) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "gnss", "blocks": {"position": "antenna"}, "sigma": ["2 m", "2 m", "4 m"],
     "floor": "0.5 m", "gate": 0.999})json";
   return spec;
@@ -41,7 +41,7 @@ PositionFix::PositionFix(const Binding& binding)
     : position_(binding.port("position")),
       bias_(binding.port("bias")),
       z_(binding.fields("lat", "lon", "height")),
-      sigma_(binding, sigma_prefix, sigma_flaws) {
+      sigma_(binding, position_sigma_prefix, position_sigma_flaws) {
   declaration_.rows(3).reads(position_).reads(bias_).group(rows::of("position", position_));
 }
 

@@ -6,8 +6,8 @@ namespace binnacle::gnss_fix {
 
 namespace {
 
-constexpr const char* sigma_prefix = "velocity_sd";
-constexpr std::array<const char*, 3> sigma_flaws = {"velocity_sd_n is 0, negative or not finite",
+constexpr const char* velocity_sigma_prefix = "velocity_sd";
+constexpr std::array<const char*, 3> velocity_sigma_flaws = {"velocity_sd_n is 0, negative or not finite",
                                                     "velocity_sd_e is 0, negative or not finite",
                                                     "velocity_sd_d is 0, negative or not finite"};
 
@@ -24,7 +24,7 @@ ComponentSpec VelocityFix::spec() {
   spec.fields = {field::level("vn", "m/s").about("velocity over ground, north"),
                  field::level("ve", "m/s").about("velocity over ground, east"),
                  field::level("vd", "m/s").about("velocity over ground, down")};
-  for (FieldSpec& field : ReportedSigma::fields(sigma_prefix, "m/s")) spec.fields.push_back(std::move(field));
+  for (FieldSpec& field : ReportedSigma::fields(velocity_sigma_prefix, "m/s")) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "gnss", "blocks": {"velocity": "velocity"}, "sigma": "0.1 m/s",
     "floor": "0.03 m/s", "gate": 0.999})json";
   return spec;
@@ -33,7 +33,7 @@ ComponentSpec VelocityFix::spec() {
 VelocityFix::VelocityFix(const Binding& binding)
     : velocity_(binding.port("velocity")),
       z_(binding.fields("vn", "ve", "vd")),
-      sigma_(binding, sigma_prefix, sigma_flaws) {
+      sigma_(binding, velocity_sigma_prefix, velocity_sigma_flaws) {
   declaration_.rows(3).reads(velocity_).group(rows::of("velocity", velocity_));
 }
 

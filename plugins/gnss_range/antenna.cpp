@@ -20,7 +20,7 @@ Port one_of(const Binding& binding, const char* ned, const char* ecef) {
   return binding.port(binding.port(ecef).is_bound() ? ecef : ned);
 }
 
-constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
+constexpr double least_radius = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
 
 }  // namespace
 
@@ -49,7 +49,7 @@ Result AntennaPosition::read(const PortValues& x, gnss::AntennaPlace& place) con
   const auto value = x[port_].as<3>();
   if (!value.allFinite()) return Result::invalid("the position is not finite");
   if (is_ecef_) {
-    if (value.cwiseAbs().maxCoeff() > 1e8 || value.norm() < lowest)
+    if (value.cwiseAbs().maxCoeff() > 1e8 || value.norm() < least_radius)
       return Result::unsupported("the antenna is not near the earth's surface");
     place = gnss::place_from_ecef(value);
   } else {

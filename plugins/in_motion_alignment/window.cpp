@@ -30,11 +30,11 @@ using Normal = Eigen::Matrix<double, 9, 9>;
 Vector3d vector(const double* values) { return Map<const Vector3d>(values); }
 Matrix3d matrix(const double* values) { return Map<const Matrix3d>(values); }
 
+}  // namespace
+
 struct Biases {
   Vector3d accelerometer = Vector3d::Zero(), gyro = Vector3d::Zero();
 };
-
-}  // namespace
 
 /// The integrals from the first epoch on, less biases, and what small further biases change of them.
 class Chain {

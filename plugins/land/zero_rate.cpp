@@ -12,7 +12,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-FieldSpec rate(std::string name) {
+FieldSpec body_rate(std::string name) {
   return field::rate(std::move(name), "rad/s").about("mean angular rate with respect to inertial space, body axes");
 }
 
@@ -34,7 +34,7 @@ ComponentSpec ZeroRate::spec() {
       reads("gyro_bias", "vector:3:rad/s").about("bias of the gyroscopes"),
       reads("attitude", "attitude").optional().about("attitude of the body; with the position, for the earth rate"),
       reads("position", "position").optional().about("position of the body; with the attitude, for the earth rate")};
-  spec.fields = {rate("wx"), rate("wy"), rate("wz")};
+  spec.fields = {body_rate("wx"), body_rate("wy"), body_rate("wz")};
   spec.example = R"json({"channel": "motion.standing", "blocks": {"gyro_bias": "gyro_bias", "attitude": "attitude",
     "position": "position"}, "sigma": "0.005 deg/s"})json";
   return spec;

@@ -11,11 +11,10 @@ namespace binnacle::nmea {
 namespace {
 
 constexpr double knot = 1852.0 / 3600.0;  // [m/s]
-constexpr double degree = std::numbers::pi / 180;
 constexpr Time half_a_day = 43200 * nanoseconds_per_second;
 
 /// PASHR is proprietary: its talker is "PA".
-constexpr std::array<std::string_view, 9> type_names{"GGA", "RMC", "GST", "ZDA", "SHR", "VTG", "HDT", "THS", "GSA"};
+constexpr std::array<std::string_view, 9> read_type_names{"GGA", "RMC", "GST", "ZDA", "SHR", "VTG", "HDT", "THS", "GSA"};
 
 std::size_t as_index(auto type) { return static_cast<std::size_t>(type); }
 
@@ -34,9 +33,9 @@ Decoder::Decoder(const UtcClock& clock, Options options) : clock_(clock), option
 }
 
 std::optional<Decoder::Type> Decoder::type_of(std::string_view name) {
-  const auto found = std::find(type_names.begin(), type_names.end(), name);
-  if (found == type_names.end()) return {};
-  return static_cast<Type>(found - type_names.begin());
+  const auto found = std::find(read_type_names.begin(), read_type_names.end(), name);
+  if (found == read_type_names.end()) return {};
+  return static_cast<Type>(found - read_type_names.begin());
 }
 
 Decoder::Outcome Decoder::take(std::string_view line, std::vector<Epoch>& complete) {

@@ -10,8 +10,6 @@ namespace binnacle::nmea {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;

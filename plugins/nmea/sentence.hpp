@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 #include "sentences/sentence_writer.hpp"
 
 namespace binnacle::nmea {
+
+inline constexpr double degree = std::numbers::pi / 180;  // [rad]
 
 using civil_time::Day;
 using civil_time::parse_day;

@@ -17,7 +17,7 @@ namespace binnacle::rinex {
 namespace {
 
 constexpr int lines_of_orbit = 7;  // after the line of the clock
-constexpr std::size_t number_width = 19;
+constexpr std::size_t orbit_width = 19;
 
 /// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6, A8 and A14.
 enum Orbit {
@@ -174,10 +174,10 @@ class NavigationReader {
     if (!toc) return faults_.add("B062", line, "message", "the time of the clock of " + name + " is none");
     record.toc = *toc + (is_beidou(*satellite) ? nanoseconds(gnss::gps_minus_beidou) : 0);
     for (std::size_t i = 0; i < 3; ++i)
-      record.clock[i] = number(columns(first, 22 + shift + i * number_width, number_width));
+      record.clock[i] = number(columns(first, 22 + shift + i * orbit_width, orbit_width));
     for (std::size_t i = 0; i < rest.size(); ++i)
       for (std::size_t j = 0; j < 4; ++j)
-        record.orbit[4 * i + j] = number(columns(rest[i], 3 + shift + j * number_width, number_width));
+        record.orbit[4 * i + j] = number(columns(rest[i], 3 + shift + j * orbit_width, orbit_width));
     take_message(record, name);
   }
 

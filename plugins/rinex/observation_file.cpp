@@ -20,7 +20,7 @@ namespace binnacle::rinex {
 namespace {
 
 constexpr std::size_t cell_width = 16;  // F14.3, I1, I1
-constexpr std::size_t number_width = 14;
+constexpr std::size_t observation_width = 14;
 
 /// Which observation of a line is which; −1: none.
 struct Places {
@@ -39,10 +39,10 @@ std::string time_text(Time t) {
 bool read_cell(std::string_view line, int index, double& value) {
   value = std::numeric_limits<double>::quiet_NaN();
   if (index < 0) return true;
-  const auto text = columns(line, static_cast<std::size_t>(index) * cell_width, number_width);
+  const auto text = columns(line, static_cast<std::size_t>(index) * cell_width, observation_width);
   if (trimmed(text).empty()) return true;
   const auto read = number(text);
-  if (!read || text.size() != number_width || text[number_width - 4] != '.') return false;
+  if (!read || text.size() != observation_width || text[observation_width - 4] != '.') return false;
   if (*read != 0) value = *read;  // 0.000 stands for "missing" too
   return true;
 }

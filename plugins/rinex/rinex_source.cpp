@@ -20,7 +20,7 @@ ComponentSpec RinexSource::spec() {
       path("observations").about("observation file; without it only messages are emitted"),
       path("navigation").about("navigation message file"),
       gnss::Signals::parameter(),
-      integer("week").at_least(0).at_most(9999).defaults("0").about(
+      parameter::integer("week").at_least(0).at_most(9999).defaults("0").about(
           "GPS week at whose start time is zero; 0: seconds since 1980-01-06"),
       list("window", time("time")).about("[from, to]; only epochs inside are emitted"),
       choice("invalid_records", {"skip", "error"})

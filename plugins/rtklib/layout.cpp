@@ -11,8 +11,6 @@ namespace binnacle::rtklib {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-
 /// "sdn(m)" is "sdn".
 std::string_view name_of(std::string_view column) { return column.substr(0, column.find('(')); }
 

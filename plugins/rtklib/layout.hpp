@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,8 @@
 #include <Eigen/Core>
 
 namespace binnacle::rtklib {
+
+inline constexpr double degree = std::numbers::pi / 180;  // [rad]
 
 enum class Coordinates { degrees, dms, ecef, baseline };
 enum class TimeSystem { gpst, utc, jst };

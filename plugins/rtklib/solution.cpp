@@ -14,7 +14,6 @@ namespace {
 using Words = std::vector<std::string_view>;
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
-constexpr double degree = std::numbers::pi / 180;
 
 double needed(std::string_view word) {
   const auto value = number(word);

@@ -64,7 +64,7 @@ Columns find_columns(const RecordPlace& place, const std::vector<std::string_vie
   return {place.time_column.empty() ? 0 : index(place.time_column, "/time"), index(place.column, "/column")};
 }
 
-double number(const std::vector<std::string_view>& cells, std::size_t column, const RecordPlace& place, int line) {
+double number_in(const std::vector<std::string_view>& cells, std::size_t column, const RecordPlace& place, int line) {
   double value = 0;
   const std::string_view cell = column < cells.size() ? cells[column] : std::string_view();
   const auto [rest, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
@@ -124,12 +124,12 @@ Record RecordPlace::read() const {
     std::vector<std::string_view> cells = header_of(lines, path);
     const Columns columns = find_columns(*this, cells);
     while (lines.next(cells)) {
-      const Time t = nanoseconds(number(cells, columns.time, *this, lines.line()));
+      const Time t = nanoseconds(number_in(cells, columns.time, *this, lines.line()));
       if (t < from || t > to) continue;
       if (!values.empty() && t <= record.times.back())
         throw ComponentError::in_data("time does not increase", path, lines.line(), "B063");
       record.times.push_back(t);
-      values.push_back(unit * number(cells, columns.value, *this, lines.line()));
+      values.push_back(unit * number_in(cells, columns.value, *this, lines.line()));
     }
   } catch (const text_file::FileFault& fault) {
     throw unreadable(fault, path);

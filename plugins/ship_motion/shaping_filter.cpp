@@ -2,6 +2,7 @@
 #include "shaping_filter.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/LU>
 #include <unsupported/Eigen/MatrixFunctions>
@@ -10,7 +11,7 @@ namespace binnacle::ship_motion {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// F P + P Fᵀ + g gᵀ = 0 with g the last unit vector, by Kronecker products.
 Eigen::MatrixXd covariance_of_unit_noise(const Eigen::MatrixXd& F) {

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 namespace binnacle::ship_motion {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double gravity = 9.80665;
 
 }  // namespace

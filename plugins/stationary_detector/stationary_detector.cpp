@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-enum class State : std::int64_t { unknown, standing, moving };
-
 using Triad = std::array<FieldSpec, 3>;
 
 Triad triad(const char* const (&names)[3], const char* unit, FieldKind kind, const char* text) {
@@ -32,6 +30,7 @@ Triad forces(const char* text) { return triad({"fx", "fy", "fz"}, "m/s^2", Field
 
 /// All that it remembers; plain memory in the kernel's arena.
 struct StationaryDetector::Memory {
+  enum class State : std::int64_t { unknown, standing, moving };
   MotionWindow window{};
   Time t = no_time;  // end of the last sample; no_time: none yet
   State state = State::unknown;
@@ -164,8 +163,8 @@ void StationaryDetector::on_imu(const SampleView& sample, Memory& memory, Emitte
   memory.averaged += dt;
   if (memory.window.add(settings_.window, dt, rate, force) && memory.window.is_full())
     decide(sample.t, memory, emitter);
-  const double period = memory.state == State::standing ? settings_.standing_period : settings_.moving_period;
-  if (memory.state != State::unknown && memory.averaged > 0 && memory.averaged >= period - 0.5 * dt)
+  const double period = memory.state == Memory::State::standing ? settings_.standing_period : settings_.moving_period;
+  if (memory.state != Memory::State::unknown && memory.averaged > 0 && memory.averaged >= period - 0.5 * dt)
     emit_state(sample.t, memory, emitter);
 }
 
@@ -183,19 +182,19 @@ void StationaryDetector::decide(Time t, Memory& memory, Emitter& emitter) const 
   const bool still = looks_still(memory);
   memory.still = still ? memory.still + memory.window.last_part() : 0.0;
   memory.not_still = still ? 0.0 : memory.not_still + memory.window.last_part();
-  const State before = memory.state;
-  if (still && memory.still >= settings_.on - roundoff) memory.state = State::standing;
-  if (!still && memory.not_still >= settings_.off - roundoff) memory.state = State::moving;
+  const Memory::State before = memory.state;
+  if (still && memory.still >= settings_.on - roundoff) memory.state = Memory::State::standing;
+  if (!still && memory.not_still >= settings_.off - roundoff) memory.state = Memory::State::moving;
   if (memory.state != before) memory.begin_interval(t);
-  if (memory.state == State::unknown) return;
+  if (memory.state == Memory::State::unknown) return;
   SampleWriter& out = emitter.on(state_channel_);
   out.t = t;
-  out[is_standing_] = memory.state == State::standing ? 1.0 : 0.0;
+  out[is_standing_] = memory.state == Memory::State::standing ? 1.0 : 0.0;
   emitter.emit(state_channel_);
 }
 
 void StationaryDetector::emit_state(Time t, Memory& memory, Emitter& emitter) const {
-  const Mean& mean = memory.state == State::standing ? standing_ : moving_;
+  const Mean& mean = memory.state == Memory::State::standing ? standing_ : moving_;
   SampleWriter& out = emitter.on(mean.channel);
   out.t = t;
   out.t0 = memory.since;

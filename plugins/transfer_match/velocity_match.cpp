@@ -20,7 +20,7 @@ using strapdown::skew;
 FieldSpec speed(std::string name, std::string text) {
   return field::level(std::move(name), "m/s").about(std::move(text));
 }
-FieldSpec angle(std::string name, std::string text) {
+FieldSpec optional_angle(std::string name, std::string text) {
   return field::level(std::move(name), "rad").optional().about(std::move(text));
 }
 FieldSpec rate(std::string name) {
@@ -59,10 +59,10 @@ ComponentSpec VelocityMatch::spec() {
       speed("vn", "velocity of the master (MINS) over ground, north"),
       speed("ve", "velocity of the master over ground, east"),
       speed("vd", "velocity of the master over ground, down; required for all axes").optional(),
-      angle("roll", "attitude of the master; required with a lever arm"),
-      angle("pitch", "attitude of the master; required with a lever arm"),
-      angle("yaw", "attitude of the master; required with a lever arm"),
-      angle("lat",
+      optional_angle("roll", "attitude of the master; required with a lever arm"),
+      optional_angle("pitch", "attitude of the master; required with a lever arm"),
+      optional_angle("yaw", "attitude of the master; required with a lever arm"),
+      optional_angle("lat",
             "position of the master; with it the earth rate is subtracted from the slave's rate, for a lever arm")};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "mins", "blocks": {"velocity": "velocity"}, "sigma": "0.257 m/s"})json";

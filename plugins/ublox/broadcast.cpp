@@ -13,23 +13,23 @@ namespace binnacle::ublox {
 namespace {
 
 constexpr double semicircle = std::numbers::pi;
-constexpr Time week = 604800 * nanoseconds_per_second;
+using civil_time::week_length;
 
 double power(int exponent) { return std::ldexp(1.0, exponent); }
 
 /// The instant of a time of week that is nearest to `now`.
 Time nearest(std::uint32_t seconds_of_week, Time now) {
   const Time of_week = Time{seconds_of_week} * nanoseconds_per_second;
-  Time t = now - now % week + of_week;
-  if (t - now > week / 2) t -= week;
-  if (now - t > week / 2) t += week;
+  Time t = now - now % week_length + of_week;
+  if (t - now > week_length / 2) t -= week_length;
+  if (now - t > week_length / 2) t += week_length;
   return t;
 }
 
 /// A week number of so many bits, as it is nearest to that of `now`, is that of now or next to it.
 bool is_week_of(std::uint32_t number, int bits, std::int64_t zero, Time now) {
   const std::int64_t cycle = std::int64_t{1} << bits;
-  const std::int64_t apart = ((now / week - zero - number) % cycle + cycle) % cycle;
+  const std::int64_t apart = ((now / week_length - zero - number) % cycle + cycle) % cycle;
   return apart <= 1 || apart == cycle - 1;
 }
 

@@ -12,7 +12,7 @@ namespace binnacle::ublox {
 namespace {
 
 constexpr Time second = nanoseconds_per_second;
-constexpr Time week = civil_time::week_length;
+using civil_time::week_length;
 constexpr Time most_apart = 60 * second;           // UTC and GPS time, and then some
 constexpr int last_year = 2150, last_week = 8900;  // beyond them nanoseconds are too many
 constexpr double wavelength = gnss::speed_of_light / gnss::l1_frequency;
@@ -26,9 +26,9 @@ const char* code_of(int system, int signal) {
 
 /// a − b brought to within half a week.
 Time within_half_a_week(Time difference) {
-  difference %= week;
-  if (difference > week / 2) difference -= week;
-  if (difference < -week / 2) difference += week;
+  difference %= week_length;
+  if (difference > week_length / 2) difference -= week_length;
+  if (difference < -week_length / 2) difference += week_length;
   return difference;
 }
 
@@ -51,7 +51,7 @@ std::optional<Time> Decoder::pvt_instant(const Payload& p) const {
     return {};
   const Time of_day = (p.u1(8) * 3600 + p.u1(9) * 60 + p.u1(10)) * second + p.i4(16);
   const Time near = options_.clock.gps_of({civil_time::Day(date), of_day});
-  const Time apart = within_half_a_week(p.u4(0) * Time{1'000'000} - near % week);
+  const Time apart = within_half_a_week(p.u4(0) * Time{1'000'000} - near % week_length);
   if (near < 0 || std::abs(apart) > most_apart) return {};
   return near + apart;
 }
@@ -59,12 +59,12 @@ std::optional<Time> Decoder::pvt_instant(const Payload& p) const {
 std::optional<Time> Decoder::rawx_instant(const Payload& p) const {
   const double tow = p.r8(0);
   if (p.u2(8) == 0 || p.u2(8) > last_week || !(tow >= 0 && tow < 604800)) return {};
-  return p.u2(8) * week + nanoseconds(tow);
+  return p.u2(8) * week_length + nanoseconds(tow);
 }
 
 Time Decoder::time_of_week(std::uint32_t milliseconds) const {
   if (now_ == no_time || milliseconds >= 604800000) return no_time;
-  return now_ + within_half_a_week(milliseconds * Time{1'000'000} - now_ % week);
+  return now_ + within_half_a_week(milliseconds * Time{1'000'000} - now_ % week_length);
 }
 
 void Decoder::see_epoch(Time gps) {

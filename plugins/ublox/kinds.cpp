@@ -13,8 +13,6 @@ namespace binnacle::ublox {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double degree = std::numbers::pi / 180;
 constexpr std::uint32_t no_accuracy = 0xFFFFFFFF;
 
 using field::level;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t most_messages_of_a_satellite = 3;
 
-bool is_same(const gnss::Ephemeris& a, const gnss::Ephemeris& b) {
+bool is_same_ephemeris(const gnss::Ephemeris& a, const gnss::Ephemeris& b) {
   return a.satellite == b.satellite && a.toe == b.toe && a.issue == b.issue && a.af0 == b.af0;
 }
 
@@ -129,7 +129,7 @@ void LiveMessages::renew_set(Time t) {
   gnss::MessageSet set = gnss::choose_messages_at(messages_, rules_.messages, t);
   std::vector<gnss::Ephemeris> chosen;
   for (const std::size_t i : set.messages) chosen.push_back(messages_[i].ephemeris);
-  if (std::equal(chosen.begin(), chosen.end(), last_set_.begin(), last_set_.end(), is_same)) return;
+  if (std::equal(chosen.begin(), chosen.end(), last_set_.begin(), last_set_.end(), is_same_ephemeris)) return;
   last_set_ = std::move(chosen);
   LiveSample sample;
   sample.part = Recording::Part::ephemerides;

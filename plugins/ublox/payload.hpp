@@ -6,10 +6,15 @@
 #include <cassert>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <numbers>
 #include <string_view>
 #include <type_traits>
 
 namespace binnacle::ublox {
+
+inline constexpr double degree = std::numbers::pi / 180;  // [rad]
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 static_assert(std::endian::native == std::endian::little);
 

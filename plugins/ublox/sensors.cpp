@@ -10,8 +10,6 @@ namespace binnacle::ublox {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double degree = std::numbers::pi / 180;
 constexpr Time longest_pause = 600 * nanoseconds_per_second;  // after a longer one the clock is another
 constexpr Time longest_step = nanoseconds_per_second;         // over which a mean rate is one
 

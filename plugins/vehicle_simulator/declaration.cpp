@@ -16,8 +16,6 @@ namespace {
 
 using namespace simulation;
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 Triad deviation_fields(const std::string& quantity, const std::string& unit) {
   const std::string text = "standard deviation that the receiver states for its " + quantity + ", ";
   return {level(quantity + "_sd_n", unit, text + "north"), level(quantity + "_sd_e", unit, text + "east"),

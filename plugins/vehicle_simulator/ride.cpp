@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::uint64_t draws_apart = 64;  // of one boarding
+constexpr std::uint64_t draws_of_boarding = 64;  // of one boarding
 
 /// A function of time with its first two derivatives.
 struct Jet {
@@ -147,7 +147,7 @@ void Ride::board(double t, Motion& motion, RideMemory& memory) const {
   const std::int64_t event = stop.first + static_cast<std::int64_t>(slot);
   if (memory.event != event) {
     random::Philox stream = memory.boarding;
-    stream.discard(draws_apart * static_cast<std::uint64_t>(event));
+    stream.discard(draws_of_boarding * static_cast<std::uint64_t>(event));
     const double uniform = static_cast<double>(stream() >> 11) * 0x1p-53;
     memory.event_begin =
         stop.begin + slot * model_.boarding_every + uniform * (model_.boarding_every - model_.boarding_duration);

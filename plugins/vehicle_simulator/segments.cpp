@@ -18,7 +18,6 @@ namespace binnacle::vehicle_simulator {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr double steepest = 45.0 * degree;
 constexpr double shortest = 1e-3;  // s
 constexpr double longest = 1e6;    // s

@@ -2,6 +2,7 @@
 // The segments of a drive: read from the parameters, checked, and resolved into a table.
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include "binnacle/parameters.hpp"
@@ -9,6 +10,8 @@
 #include "binnacle/time.hpp"
 
 namespace binnacle::vehicle_simulator {
+
+inline constexpr double degree = std::numbers::pi / 180;  // [rad]
 
 /// One manoeuvre. acceleration, turn rate and slope follow a Plateau of this height over the segment.
 struct Segment {

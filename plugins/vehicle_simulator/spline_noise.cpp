@@ -17,7 +17,7 @@ namespace {
 constexpr int order = 6;  // splines that are not zero at an instant
 // The density of D′ is f² sinc¹²(fh), whose greatest value lies where π x cot(π x) = 5/6, x = fh.
 constexpr double peak = 0.22144;
-constexpr std::uint64_t draws_apart = 64;  // of one coefficient; a normal deviate takes one or, seldom, a few
+constexpr std::uint64_t draws_of_coefficient = 64;  // of one coefficient; a normal deviate takes one or, seldom, a few
 constexpr std::int64_t nowhere = std::numeric_limits<std::int64_t>::min();
 
 using Weights = std::array<double, order>;
@@ -54,7 +54,7 @@ double slope_deviation() {
 
 double coefficient(const random::Philox& beginning, std::int64_t knot) {
   random::Philox stream = beginning;
-  stream.discard(draws_apart * static_cast<std::uint64_t>(knot + order));
+  stream.discard(draws_of_coefficient * static_cast<std::uint64_t>(knot + order));
   return random::normal(stream);
 }
 

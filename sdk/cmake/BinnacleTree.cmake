@@ -9,6 +9,13 @@ if(PROJECT_IS_TOP_LEVEL)
   add_custom_target(plugins DEPENDS binnacle_plugins)
 endif()
 
+# The precompiled header of all plugins, and of the libraries that they share.
+binnacle_precompiled_headers(binnacle_plugin_precompiled
+  "binnacle/plugin.hpp" "binnacle/geodesy.hpp" "binnacle/jacobian.hpp" <Eigen/Dense> <algorithm> <array> <cmath> <functional> <map> <memory>
+  <optional> <span> <string> <string_view> <vector>)
+binnacle_plugin_compile_options(binnacle_plugin_precompiled)
+target_link_libraries(binnacle_plugin_precompiled PRIVATE Binnacle::headers)
+
 # binnacle_plugin(NAME SOURCES plugin.cpp … [LIBRARIES …])
 #
 # Makes   NAME_plugin   the MODULE library lib/binnacle/NAME.so: plugin.cpp and the objects;
@@ -24,6 +31,7 @@ function(binnacle_plugin name)
   if(arg_SOURCES)
     add_library(${name}_objects OBJECT ${arg_SOURCES})
     binnacle_plugin_compile_options(${name}_objects)
+    binnacle_reuse_precompiled(${name}_objects binnacle_plugin_precompiled)
     target_include_directories(${name}_objects
       PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}"
       PUBLIC "${PROJECT_SOURCE_DIR}/plugins")
@@ -35,6 +43,7 @@ function(binnacle_plugin name)
   endif()
 
   binnacle_add_plugin(${name}_plugin SOURCES plugin.cpp LIBRARIES ${name}_objects)
+  binnacle_reuse_precompiled(${name}_plugin binnacle_plugin_precompiled)
   set_target_properties(${name}_plugin PROPERTIES
     OUTPUT_NAME ${name}
     LIBRARY_OUTPUT_DIRECTORY "${BINNACLE_PLUGIN_OUTPUT_DIRECTORY}")

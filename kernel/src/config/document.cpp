@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const Origin command_line{"--set", 0, 0};
+const Origin set_option{"--set", 0, 0};
 
 using base::in_quotes;
 
@@ -34,7 +34,7 @@ std::string assign(Node& root, const Tokens& tokens, Node value) {
     child = parent->find(token);
     if (!child && !erase && (!is_list || token == "-")) {
       const std::string key = is_list ? std::to_string(parent->children.size()) : token;
-      parent->children.push_back({key, command_line, {Json::object(), command_line, parent->folder}});
+      parent->children.push_back({key, set_option, {Json::object(), set_option, parent->folder}});
       child = &parent->children.back();
     }
     if (!child && is_list)
@@ -50,7 +50,7 @@ std::string assign(Node& root, const Tokens& tokens, Node value) {
   if (erase)
     parent->erase(tokens.back());
   else
-    *child = {child->key, command_line, std::move(value)};
+    *child = {child->key, set_option, std::move(value)};
   return "";
 }
 
@@ -61,7 +61,7 @@ void apply_setting(Node& root, const std::string& setting, const Folder& folder,
   const std::string pointer = setting.substr(0, equals);
   const bool is_absolute = pointer.starts_with('/');
   const auto report = [&](const std::string& message) {
-    diagnostics.error("B029", command_line, is_absolute ? pointer : "", message);
+    diagnostics.error("B029", set_option, is_absolute ? pointer : "", message);
   };
   if (!is_utf8(setting)) return report("--set is not UTF-8");
   if (equals == std::string::npos) return report(in_quotes(setting) + " is not of the form /pointer=value");
@@ -71,10 +71,10 @@ void apply_setting(Node& root, const std::string& setting, const Folder& folder,
   if (!tokens) return report("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
   if (tokens->back() == "extends") return report("extends cannot be set; it is resolved before --set");
   const std::string text = setting.substr(equals + 1);
-  std::optional<Node> value = read_json_value(text, command_line.file, folder);
+  std::optional<Node> value = read_json_value(text, set_option.file, folder);
   const bool looks_like_json = text.starts_with('{') || text.starts_with('[') || text.starts_with('"');
   if (!value && looks_like_json) return report(in_quotes(text) + " begins like JSON but is not");
-  if (!value) value = Node{text, command_line, folder};
+  if (!value) value = Node{text, set_option, folder};
   const std::string problem = assign(root, *tokens, *std::move(value));
   if (!problem.empty()) report(problem);
 }

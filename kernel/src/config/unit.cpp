@@ -35,7 +35,7 @@ struct Measure {
   Dimension dimension;
 };
 
-struct NamedUnit {
+struct KnownUnit {
   std::string_view name;
   Measure measure;
   std::string_view prefixes = {};
@@ -49,7 +49,7 @@ constexpr Dimension dimension(int m, int s, int rad = 0, int kg = 0, int kelvin 
 constexpr long double pi = std::numbers::pi_v<long double>;
 constexpr long double standard_gravity = 9.80665L;  // m/s^2, 3rd CGPM (1901)
 
-constexpr NamedUnit named_units[] = {
+constexpr KnownUnit named_units[] = {
     {"1", {1.0L, {}}},
     {"%", {1e-2L, {}}},
     {"ppm", {1e-6L, {}}},
@@ -96,14 +96,14 @@ constexpr std::pair<std::string_view, std::string_view> other_spellings[] = {
 constexpr std::pair<char, long double> prefixes[] = {{'n', 1e-9L}, {'u', 1e-6L}, {'m', 1e-3L}, {'c', 1e-2L},
                                                      {'h', 1e2L},  {'k', 1e3L},  {'M', 1e6L},  {'G', 1e9L}};
 
-const NamedUnit* find_named(std::string_view name) {
-  const auto* found = std::ranges::find(named_units, name, &NamedUnit::name);
+const KnownUnit* find_named(std::string_view name) {
+  const auto* found = std::ranges::find(named_units, name, &KnownUnit::name);
   return found == std::end(named_units) ? nullptr : found;
 }
 
 std::optional<Measure> find_measure(std::string_view name) {
-  if (const NamedUnit* unit = find_named(name)) return unit->measure;
-  const NamedUnit* unit = name.empty() ? nullptr : find_named(name.substr(1));
+  if (const KnownUnit* unit = find_named(name)) return unit->measure;
+  const KnownUnit* unit = name.empty() ? nullptr : find_named(name.substr(1));
   for (const auto& [prefix, scale] : prefixes)
     if (unit && prefix == name[0] && unit->prefixes.find(prefix) != name.npos)
       return Measure{unit->measure.scale * scale, unit->measure.dimension};
@@ -222,7 +222,7 @@ std::string meant_name(std::string_view name) {
   for (const auto& [other, ours] : other_spellings)
     if (other == name) return std::string(ours);
   std::vector<std::string> names = internal::base::names_of(named_units);
-  for (const NamedUnit& unit : named_units)
+  for (const KnownUnit& unit : named_units)
     for (const char prefix : unit.prefixes) names.push_back(prefix + std::string(unit.name));
   return closest(name, names);
 }
@@ -252,12 +252,12 @@ std::string unknown_message(std::string_view text, std::string_view name) {
 }
 
 Parsed<Measure> read_measure(std::string_view text) {
-  using Result = Parsed<Measure>;
-  if (text.empty()) return Result::failure("empty unit; a number without a unit is '1'");
+  using Outcome = Parsed<Measure>;
+  if (text.empty()) return Outcome::failure("empty unit; a number without a unit is '1'");
   try {
     return UnitParser{text}.parse();
   } catch (const Refusal& refusal) {
-    return Result::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
+    return Outcome::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
                                                 : unknown_message(text, refusal.name));
   }
 }
@@ -300,36 +300,36 @@ Parsed<Unit> parse_unit(std::string_view text) {
 }
 
 Parsed<Quantity> parse_quantity(std::string_view text) {
-  using Result = Parsed<Quantity>;
+  using Outcome = Parsed<Quantity>;
   text = trimmed(text);
-  if (text.empty()) return Result::failure("empty text; expected a number with a unit, such as '0.2 deg/h'");
+  if (text.empty()) return Outcome::failure("empty text; expected a number with a unit, such as '0.2 deg/h'");
   const auto written = split<double>(text);
   const std::string quoted = in_quotes(text);
-  if (!written) return Result::failure(quoted + " does not begin with a number; expected something like '0.2 deg/h'");
-  if (!written->fits) return Result::failure("the number of " + quoted + " is out of range");
+  if (!written) return Outcome::failure(quoted + " does not begin with a number; expected something like '0.2 deg/h'");
+  if (!written->fits) return Outcome::failure("the number of " + quoted + " is out of range");
   if (written->unit.empty()) return Quantity{written->value, {}};
-  if (written->unit.starts_with(',')) return Result::failure("the decimal point of " + quoted + " is a comma");
+  if (written->unit.starts_with(',')) return Outcome::failure("the decimal point of " + quoted + " is a comma");
   const Parsed<Measure> measure = read_measure(written->unit);
-  if (!measure) return Result::failure(measure.error());
+  if (!measure) return Outcome::failure(measure.error());
   const auto si = static_cast<double>(static_cast<long double>(written->value) * measure->scale);
-  if (!std::isfinite(si)) return Result::failure(quoted + " is out of range");
+  if (!std::isfinite(si)) return Outcome::failure(quoted + " is out of range");
   return Quantity{si, measure->dimension};
 }
 
 Parsed<std::int64_t> parse_time(std::string_view text) {
-  using Result = Parsed<std::int64_t>;
+  using Outcome = Parsed<std::int64_t>;
   text = trimmed(text);
   const auto written = split<long double>(text);
   const std::string quoted = in_quotes(text);
-  if (!written) return Result::failure(quoted + " does not begin with a number; expected something like '120 s'");
+  if (!written) return Outcome::failure(quoted + " does not begin with a number; expected something like '120 s'");
   if (written->unit.empty())
-    return Result::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
+    return Outcome::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
   const std::optional<Measure> unit = find_measure(written->unit);
   if (!unit || unit->dimension != dimension(0, 1))
-    return Result::failure("unit " + in_quotes(written->unit) + " is not a time; use ns, us, ms, s, min, h or day");
+    return Outcome::failure("unit " + in_quotes(written->unit) + " is not a time; use ns, us, ms, s, min, h or day");
   const long double nanoseconds = written->value * std::round(unit->scale * 1e9L);
   if (!written->fits || !(std::abs(nanoseconds) <= static_cast<long double>(internal::base::farthest_time)))
-    return Result::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);
+    return Outcome::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);
   return static_cast<std::int64_t>(std::llround(nanoseconds));
 }
 
@@ -382,7 +382,7 @@ std::string si_unit(const Dimension& dimension) {
 std::string dimension_name(const Dimension& dimension) {
   if (dimension.is_dimensionless()) return "a plain number";
   const std::string unit = si_unit(dimension);
-  for (const NamedUnit& known : named_units)
+  for (const KnownUnit& known : named_units)
     if (known.measure.dimension == dimension && !known.quantity.empty())
       return std::string(known.quantity) + " (" + unit + ")";
   for (const auto& [of, name] : named_dimensions)

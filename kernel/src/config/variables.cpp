@@ -11,7 +11,7 @@ namespace binnacle::internal::config {
 
 namespace {
 
-const Origin command_line{"--var", 0, 0};
+const Origin var_option{"--var", 0, 0};
 
 using base::in_quotes;
 
@@ -33,12 +33,12 @@ class Variables {
 
   void give(const std::string& name, const std::string& text, const Folder& folder) {
     if (!is_name(name) || !is_utf8(text))
-      return diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " is not name=value");
+      return diagnostics_.error("B029", var_option, "", in_quotes("--var " + name) + " is not name=value");
     const Member* declared = declared_.find(name);
     std::optional<Node> number;
-    if (declared && declared->value.json.is_number()) number = read_json_value(text, command_line.file, folder);
+    if (declared && declared->value.json.is_number()) number = read_json_value(text, var_option.file, folder);
     const bool is_number = number && number->json.is_number();
-    given_.emplace(name, is_number ? *std::move(number) : Node{text, command_line, folder});
+    given_.emplace(name, is_number ? *std::move(number) : Node{text, var_option, folder});
     if (declared) used_.insert(name);
   }
 
@@ -51,18 +51,18 @@ class Variables {
     fill_in(root, "");
     for (const auto& [name, value] : given_) {
       if (!used_.contains(name)) {
-        diagnostics_.error("B029", command_line, "",
+        diagnostics_.error("B029", var_option, "",
                            "the config has no variable " + in_quotes(name) + suggestion(name));
         continue;
       }
       if (!vars) {
-        root.children.push_back({"vars", command_line, {Json::object(), command_line, value.folder}});
+        root.children.push_back({"vars", var_option, {Json::object(), var_option, value.folder}});
         vars = &root.children.back();
       }
       if (Member* member = vars->value.find(name))
         member->value = value;
       else if (vars->value.json.is_object())
-        vars->value.children.push_back({name, command_line, value});
+        vars->value.children.push_back({name, var_option, value});
     }
   }
 

@@ -7,11 +7,11 @@
 
 namespace binnacle::internal::filter {
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 void convert(const FieldMap& map, const double* fields, double dt, double* converted) {
   for (const auto& item : map.epoch) {
-    double value = item.index < 0 ? not_a_number : fields[item.index];
+    double value = item.index < 0 ? no_number : fields[item.index];
     if (item.conversion != FieldMap::Conversion::none)
       item.conversion == FieldMap::Conversion::to_rate ? value /= dt : value *= dt;
     *converted++ = value;
@@ -26,7 +26,7 @@ SampleView convert(const FieldMap& map, const ChannelPlan& channel, const Sample
   view.row_fields = numbers;
   for (int row = 0; row < sample.rows; ++row)
     for (const auto& item : map.row)
-      *numbers++ = item.index < 0 ? not_a_number : sample.row_fields[row * channel.row_fields + item.index];
+      *numbers++ = item.index < 0 ? no_number : sample.row_fields[row * channel.row_fields + item.index];
   return view;
 }
 
