@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "civil_time/utc_clock.hpp"
+
 namespace binnacle::ublox {
 
 namespace {

@@ -252,12 +252,12 @@ std::string unknown_message(std::string_view text, std::string_view name) {
 }
 
 Parsed<Measure> read_measure(std::string_view text) {
-  using Outcome = Parsed<Measure>;
-  if (text.empty()) return Outcome::failure("empty unit; a number without a unit is '1'");
+  using Answer = Parsed<Measure>;
+  if (text.empty()) return Answer::failure("empty unit; a number without a unit is '1'");
   try {
     return UnitParser{text}.parse();
   } catch (const Refusal& refusal) {
-    return Outcome::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
+    return Answer::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
                                                 : unknown_message(text, refusal.name));
   }
 }
@@ -300,36 +300,36 @@ Parsed<Unit> parse_unit(std::string_view text) {
 }
 
 Parsed<Quantity> parse_quantity(std::string_view text) {
-  using Outcome = Parsed<Quantity>;
+  using Answer = Parsed<Quantity>;
   text = trimmed(text);
-  if (text.empty()) return Outcome::failure("empty text; expected a number with a unit, such as '0.2 deg/h'");
+  if (text.empty()) return Answer::failure("empty text; expected a number with a unit, such as '0.2 deg/h'");
   const auto written = split<double>(text);
   const std::string quoted = in_quotes(text);
-  if (!written) return Outcome::failure(quoted + " does not begin with a number; expected something like '0.2 deg/h'");
-  if (!written->fits) return Outcome::failure("the number of " + quoted + " is out of range");
+  if (!written) return Answer::failure(quoted + " does not begin with a number; expected something like '0.2 deg/h'");
+  if (!written->fits) return Answer::failure("the number of " + quoted + " is out of range");
   if (written->unit.empty()) return Quantity{written->value, {}};
-  if (written->unit.starts_with(',')) return Outcome::failure("the decimal point of " + quoted + " is a comma");
+  if (written->unit.starts_with(',')) return Answer::failure("the decimal point of " + quoted + " is a comma");
   const Parsed<Measure> measure = read_measure(written->unit);
-  if (!measure) return Outcome::failure(measure.error());
+  if (!measure) return Answer::failure(measure.error());
   const auto si = static_cast<double>(static_cast<long double>(written->value) * measure->scale);
-  if (!std::isfinite(si)) return Outcome::failure(quoted + " is out of range");
+  if (!std::isfinite(si)) return Answer::failure(quoted + " is out of range");
   return Quantity{si, measure->dimension};
 }
 
 Parsed<std::int64_t> parse_time(std::string_view text) {
-  using Outcome = Parsed<std::int64_t>;
+  using Answer = Parsed<std::int64_t>;
   text = trimmed(text);
   const auto written = split<long double>(text);
   const std::string quoted = in_quotes(text);
-  if (!written) return Outcome::failure(quoted + " does not begin with a number; expected something like '120 s'");
+  if (!written) return Answer::failure(quoted + " does not begin with a number; expected something like '120 s'");
   if (written->unit.empty())
-    return Outcome::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
+    return Answer::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
   const std::optional<Measure> unit = find_measure(written->unit);
   if (!unit || unit->dimension != dimension(0, 1))
-    return Outcome::failure("unit " + in_quotes(written->unit) + " is not a time; use ns, us, ms, s, min, h or day");
+    return Answer::failure("unit " + in_quotes(written->unit) + " is not a time; use ns, us, ms, s, min, h or day");
   const long double nanoseconds = written->value * std::round(unit->scale * 1e9L);
   if (!written->fits || !(std::abs(nanoseconds) <= static_cast<long double>(internal::base::farthest_time)))
-    return Outcome::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);
+    return Answer::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);
   return static_cast<std::int64_t>(std::llround(nanoseconds));
 }
 
