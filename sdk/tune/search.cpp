@@ -39,7 +39,7 @@ std::vector<double> picked(const std::vector<double>& all, const std::vector<std
   return values;
 }
 
-Json shown(const Counts& counts) {
+Json counts_json(const Counts& counts) {
   return {{"samples", counts.samples},
           {"rows", counts.rows},
           {"refused", counts.refused},
@@ -47,7 +47,7 @@ Json shown(const Counts& counts) {
           {"recoveries", counts.recoveries}};
 }
 
-const char* word_of(Gates gates) {
+const char* gates_word(Gates gates) {
   return gates == Gates::off ? "off" : gates == Gates::frozen ? "frozen" : "as configured";
 }
 
@@ -445,8 +445,8 @@ void Search::search(Found& found) {
     Json entry = {{"evaluations", evaluations_ - before},
                   {"start", minimum.first},
                   {"end", minimum.value},
-                  {"gates", word_of(gates)}};
-    entry.update(shown(counts));
+                  {"gates", gates_word(gates)}};
+    entry.update(counts_json(counts));
     found.rounds.push_back(entry);
     options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) +
                       " evaluations, " + std::to_string(counts.rows) + " rows, ln likelihood + " +
