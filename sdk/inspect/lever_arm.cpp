@@ -99,15 +99,15 @@ double sigma_of(const std::vector<Rows>& windows, const Unknowns& x) {
   return std::max(1.4826 * median(std::move(away)), 1e-4);
 }
 
-struct Fit {
+struct ArmFit {
   Unknowns x = Unknowns::Zero();
   Normal covariance = Normal::Zero();
 };
 
 /// `before`: what earlier passes have taken off, which the knowledge before all passes is about.
-Fit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
+ArmFit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
   const Unknowns known = known_before().cwiseAbs2().cwiseInverse();
-  Fit fit;
+  ArmFit fit;
   std::vector<Sums> each;
   Sums total;
   for (int pass = 0; pass < 8; ++pass) {
@@ -145,7 +145,7 @@ namespace {
 LeverArm arm_near(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias, double near) {
   LeverArm lever_arm;
   Unknowns taken = Unknowns::Zero();
-  Fit fit;
+  ArmFit fit;
   for (int pass = 0; pass < 5; ++pass) {
     Windows windows(inertial, fixes, delay + taken[3], 20, near);
     if (windows.size() < 5) return {};
