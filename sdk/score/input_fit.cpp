@@ -17,7 +17,8 @@ using namespace wording;
 
 namespace {
 
-constexpr Time shortest = 400 * (nanoseconds_per_second / 1000), longest = 2500 * (nanoseconds_per_second / 1000);
+constexpr Time shortest_step = 400 * (nanoseconds_per_second / 1000),
+               longest_step = 2500 * (nanoseconds_per_second / 1000);
 constexpr double least_fix_speed = 2, most_turn = 1.5;  // m/s, rad
 constexpr double least_intervals = 40;
 constexpr double independent = 0.5;  // of the rows: neighbours have a sample of velocity in common
@@ -44,9 +45,9 @@ void InputFit::add_input(Time t0, Time t, const Turns& increment) {
 }
 
 void InputFit::add_velocity(Time t, double north, double east) {
-  if (!std::isfinite(north) || !std::isfinite(east) || (last_ != no_time && t < last_ + shortest)) return;
+  if (!std::isfinite(north) || !std::isfinite(east) || (last_ != no_time && t < last_ + shortest_step)) return;
   const double before = std::hypot(north_, east_), now = std::hypot(north, east);
-  if (last_ != no_time && t - last_ <= longest && std::min(before, now) > least_fix_speed) {
+  if (last_ != no_time && t - last_ <= longest_step && std::min(before, now) > least_fix_speed) {
     const double turn = std::atan2(north_ * east - east_ * north, north_ * north + east_ * east);
     if (waiting_count_ == waiting_.size()) {
       first_ = (first_ + 1) % waiting_.size();
