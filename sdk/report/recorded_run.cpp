@@ -13,16 +13,16 @@
 
 namespace binnacle::report {
 
-namespace {
-
-constexpr std::size_t most_track_rows = 16384;
-constexpr double earth_radius = 6.371e6;  // how far places are apart, and not where they are
-
 /// Of the block whose places are the track, as track_of() takes them: its first two outputs that are such.
 struct TrackColumns {
   std::size_t lat, lon;  // north and east of a plane
   bool is_geographic;
 };
+
+namespace {
+
+constexpr std::size_t most_track_rows = 16384;
+constexpr double earth_radius = 6.371e6;  // how far places are apart, and not where they are
 
 std::optional<TrackColumns> track_columns(const results::FilterResults& filter) {
   const auto find = [&](const std::string& block, const char* output) {
