@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
+#include <cstdlib>
 
 #ifdef __has_feature  // clang's way to say it
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -93,7 +94,7 @@ void* realloc(void* memory, std::size_t size) {
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) { return taken(__libc_memalign(alignment, size)); }
 void* memalign(std::size_t alignment, std::size_t size) { return taken(__libc_memalign(alignment, size)); }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
   *memory = taken(__libc_memalign(alignment, size));
   return *memory ? 0 : ENOMEM;
 }
