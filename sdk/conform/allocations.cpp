@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
+#include <cstdlib>
 
 #ifdef __has_feature  // clang's way to say it
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -29,7 +30,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const
 
 namespace {
 
-thread_local std::uint64_t count = 0;
+thread_local std::uint64_t allocation_count = 0;
 std::atomic<std::int64_t> held = 0;
 
 }  // namespace
@@ -42,7 +43,7 @@ bool allocations_are_counted() {
   return false;
 #endif
 }
-std::uint64_t allocations() { return count; }
+std::uint64_t allocations() { return allocation_count; }
 bool held_bytes_are_counted() {
 #ifdef BINNACLE_REPLACES_MALLOC
   return true;
@@ -56,7 +57,7 @@ std::int64_t held_bytes() { return held; }
 #ifdef BINNACLE_SANITIZER_COUNTS
 namespace {
 
-__attribute__((no_sanitize("thread"))) void on_malloc(const volatile void*, std::size_t) { ++count; }
+__attribute__((no_sanitize("thread"))) void on_malloc(const volatile void*, std::size_t) { ++allocation_count; }
 __attribute__((no_sanitize("thread"))) void on_free(const volatile void*) {}
 
 [[maybe_unused]] const int hooks = __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
@@ -68,7 +69,7 @@ __attribute__((no_sanitize("thread"))) void on_free(const volatile void*) {}
 namespace {
 
 void* taken(void* memory) {
-  ++count;
+  ++allocation_count;
   if (memory) held.fetch_add(static_cast<std::int64_t>(malloc_usable_size(memory)), std::memory_order_relaxed);
   return memory;
 }
@@ -93,7 +94,7 @@ void* realloc(void* memory, std::size_t size) {
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) { return taken(__libc_memalign(alignment, size)); }
 void* memalign(std::size_t alignment, std::size_t size) { return taken(__libc_memalign(alignment, size)); }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
   *memory = taken(__libc_memalign(alignment, size));
   return *memory ? 0 : ENOMEM;
 }

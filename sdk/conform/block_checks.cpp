@@ -10,8 +10,8 @@ namespace binnacle::conform {
 
 namespace {
 
-struct Subject {
-  explicit Subject(Trial& trial)
+struct BlockSubject {
+  explicit BlockSubject(Trial& trial)
       : composition(compose_example(trial)), value(parts::block(*composition, filter_name, component_name)) {}
   PortState at(Trial& trial, std::uint64_t stream, double spread) const {
     auto random = trial.random(stream);
@@ -27,7 +27,7 @@ struct Subject {
 };
 
 void laws(Trial& trial) {
-  const Subject subject(trial);
+  const BlockSubject subject(trial);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     const PortState at = subject.at(trial, 100 + static_cast<std::uint64_t>(repeat), repeat == 0 ? 0.0 : 1.0);
     auto random = trial.random(200 + static_cast<std::uint64_t>(repeat));
@@ -41,7 +41,7 @@ void laws(Trial& trial) {
 }
 
 void readable(Trial& trial) {
-  const Subject subject(trial);
+  const BlockSubject subject(trial);
   if (subject.value.block->declaration().outputs.empty()) Trial::not_applicable("it has no readable output");
   for (int repeat = 0; repeat < trial.repeats(10); ++repeat)
     if (!trial.expect_none(testing::check_readable(subject.at(trial, 300 + static_cast<std::uint64_t>(repeat), 1.0))))
@@ -49,7 +49,7 @@ void readable(Trial& trial) {
 }
 
 void reset(Trial& trial) {
-  const Subject subject(trial);
+  const BlockSubject subject(trial);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     const PortState at = subject.at(trial, 400 + static_cast<std::uint64_t>(repeat), 0.5);
     auto random = trial.random(500 + static_cast<std::uint64_t>(repeat));
@@ -59,7 +59,7 @@ void reset(Trial& trial) {
 }
 
 void outputs(Trial& trial) {
-  const Subject subject(trial);
+  const BlockSubject subject(trial);
   const auto& declared = subject.value.block->declaration();
   Eigen::MatrixXd J(declared.outputs.size(), declared.dof());
   int given = 0;

@@ -6,7 +6,7 @@ namespace binnacle::conform {
 
 namespace {
 
-void jacobian(Trial& trial) {
+void derived_jacobian(Trial& trial) {
   const auto composition = compose_example(trial);
   const DerivedFixture derived(trial, *composition);
   const auto& errors = derived.yields->declaration().error;
@@ -23,7 +23,7 @@ void jacobian(Trial& trial) {
   }
 }
 
-void value(Trial& trial) {
+void derived_value(Trial& trial) {
   const auto composition = compose_example(trial);
   const DerivedFixture derived(trial, *composition);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
@@ -43,13 +43,13 @@ std::vector<Check> derived_checks() {
        roles,
        {"life.repeatable"},
        "the value is the same to the bit with and without Jacobians",
-       value},
+       derived_value},
       {"numbers.derived.jacobian",
        2,
        roles,
        {"numbers.derived.value"},
        "J is the derivative of the value on the manifolds, and what is not read has none",
-       jacobian},
+       derived_jacobian},
   };
 }
 

@@ -7,15 +7,11 @@
 #include "allocations.hpp"
 #include "fixture.hpp"
 #include "miniature.hpp"
+#include "tried_roles.hpp"
 
 namespace binnacle::conform {
 
 namespace {
-
-const std::vector<Role> every_role(std::begin(all_roles), std::end(all_roles));
-const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
-                                        Role::derived_block, Role::noise_estimator, Role::source,
-                                        Role::transform};
 
 void create(Trial& trial) {
   for (int i = 0; i < 3; ++i) {

@@ -6,20 +6,11 @@ namespace binnacle::conform {
 
 namespace {
 
-struct Subject {
-  explicit Subject(Trial& trial) : composition(compose_example(trial)), measurement(trial, *composition) {
-    memory = measurement.caller.fresh_memory();
-  }
-  std::shared_ptr<const Composition> composition;
-  MeasurementFixture measurement;
-  std::vector<std::byte> memory;
-};
-
 /// check(subject, ports, sample, elsewhere) of states and samples drawn anew, until it complains; `elsewhere` are other
 /// states near by, at which the residual is not zero. A model that refuses a sample, or takes no row of it, is not tried.
 template <class Check>
 void on_samples(Trial& trial, int repeats, std::uint64_t stream, Check&& check) {
-  const Subject subject(trial);
+  const MeasurementSubject subject(trial);
   for (int repeat = 0; repeat < trial.repeats(repeats); ++repeat) {
     auto random = trial.random(stream + static_cast<std::uint64_t>(repeat));
     const PortStates ports = subject.measurement.ports(random, 0.1);
@@ -32,24 +23,26 @@ void on_samples(Trial& trial, int repeats, std::uint64_t stream, Check&& check) 
   }
 }
 
-void jacobian(Trial& trial) {
-  on_samples(trial, 3, 600, [](const Subject& subject, const auto& ports, const auto& sample, const auto&) {
+void measurement_jacobian(Trial& trial) {
+  on_samples(trial, 3, 600, [](const MeasurementSubject& subject, const auto& ports, const auto& sample, const auto&) {
     return testing::check_measurement(subject.measurement.caller, subject.measurement.given(sample), ports,
                                       subject.memory, {1e-3, 1e-6, testing::step_sweep});
   });
 }
 
-void value(Trial& trial) {
-  on_samples(trial, 5, 500, [](const Subject& subject, const auto& ports, const auto& sample, const auto& elsewhere) {
-    const auto given = subject.measurement.given(sample);
-    testing::Complaints out = testing::check_values(subject.measurement.caller, given, ports, subject.memory);
-    out.add_all(testing::check_values(subject.measurement.caller, given, elsewhere, subject.memory));
-    return out;
-  });
+void measured_value(Trial& trial) {
+  on_samples(trial, 5, 500,
+             [](const MeasurementSubject& subject, const auto& ports, const auto& sample, const auto& elsewhere) {
+               const auto given = subject.measurement.given(sample);
+               testing::Complaints out =
+                   testing::check_values(subject.measurement.caller, given, ports, subject.memory);
+               out.add_all(testing::check_values(subject.measurement.caller, given, elsewhere, subject.memory));
+               return out;
+             });
 }
 
-void covariance(Trial& trial) {
-  const Subject subject(trial);
+void measurement_noise(Trial& trial) {
+  const MeasurementSubject subject(trial);
   int seen = 0;
   std::string refusal = "it takes no row";
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
@@ -74,19 +67,19 @@ std::vector<Check> measurement_checks() {
        roles,
        {"life.repeatable"},
        "residual and R are the same to the bit with and without H",
-       value},
+       measured_value},
       {"numbers.measurement.jacobian",
        2,
        roles,
        {"life.repeatable"},
        "H is the derivative of h(x) on the manifold, and what is not read has none",
-       jacobian},
+       measurement_jacobian},
       {"numbers.measurement.noise",
        2,
        roles,
        {"life.repeatable"},
        "R is symmetric and positive semidefinite",
-       covariance},
+       measurement_noise},
       {"numbers.measurement.consistency",
        5,
        roles,

@@ -14,10 +14,8 @@ namespace {
 
 constexpr int updates = 5;
 
-struct Subject {
-  explicit Subject(Trial& trial) : composition(compose_example(trial)), measurement(trial, *composition) {
-    memory = measurement.caller.fresh_memory();
-  }
+struct SeenSubject : MeasurementSubject {
+  using MeasurementSubject::MeasurementSubject;
   testing::Measured call(const PortStates& ports, const SampleNumbers& sample) const {
     return measurement.call(ports, sample, memory);
   }
@@ -34,9 +32,6 @@ struct Subject {
       Trial::skip("no sample is found that shows a wanted residual");
     return sample;
   }
-  std::shared_ptr<const Composition> composition;
-  MeasurementFixture measurement;
-  std::vector<std::byte> memory;
 };
 
 /// Normalized innovations squared, and their degrees of freedom.
@@ -53,7 +48,7 @@ struct Sum {
 
 /// P over the ports that a filter of the miniature starts with; where it needs more to start than this suite can push,
 /// of the size of the values that other checks try.
-Eigen::MatrixXd prior_of(const Subject& subject, const PortStates& ports, const Session* started) {
+Eigen::MatrixXd prior_of(const SeenSubject& subject, const PortStates& ports, const Session* started) {
   const int n = testing::offset(ports, ports.size());
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t i = 0; i < ports.size(); ++i) {
@@ -70,7 +65,7 @@ Eigen::MatrixXd prior_of(const Subject& subject, const PortStates& ports, const 
   return P;
 }
 
-Eigen::MatrixXd H_of(const Subject& subject, const PortStates& ports, const testing::Measured& m) {
+Eigen::MatrixXd H_of(const SeenSubject& subject, const PortStates& ports, const testing::Measured& m) {
   const auto& reads = subject.measurement.part.model->declaration().read_ports;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m.residual.size(), testing::offset(ports, ports.size()));
   for (std::size_t i = 0; i < reads.size(); ++i)
@@ -88,7 +83,7 @@ void inject(PortStates& ports, const Eigen::VectorXd& delta) {
 }
 
 /// One run whose prior standard deviations, and the truth's errors with them, are `share` of those of P.
-void believe(const Subject& subject, const Eigen::MatrixXd& prior, double share, std::mt19937_64 random, Sum& sum) {
+void believe(const SeenSubject& subject, const Eigen::MatrixXd& prior, double share, std::mt19937_64 random, Sum& sum) {
   PortStates estimate = subject.measurement.ports(random, 0.0), truth = estimate;
   Eigen::MatrixXd P = share * share * prior;
   inject(truth, draw(P, random));
@@ -107,7 +102,7 @@ void believe(const Subject& subject, const Eigen::MatrixXd& prior, double share,
   }
 }
 
-Sum believe_often(Trial& trial, const Subject& subject, const Eigen::MatrixXd& prior, double share) {
+Sum believe_often(Trial& trial, const SeenSubject& subject, const Eigen::MatrixXd& prior, double share) {
   Sum sum;
   for (int run = 0; run < trial.repeats(40); ++run)
     believe(subject, prior, share, trial.random(20'000 + static_cast<std::uint64_t>(run)), sum);
@@ -115,7 +110,7 @@ Sum believe_often(Trial& trial, const Subject& subject, const Eigen::MatrixXd& p
 }
 
 /// A wrong model is wrong however small the errors are; what a right one leaves out is of second order in them.
-void judge(Trial& trial, const Subject& subject, const Eigen::MatrixXd& prior, const std::string& found) {
+void judge(Trial& trial, const SeenSubject& subject, const Eigen::MatrixXd& prior, const std::string& found) {
   std::ostringstream table;
   table.precision(4);
   Sum last;
@@ -138,9 +133,9 @@ void judge(Trial& trial, const Subject& subject, const Eigen::MatrixXd& prior, c
 // ---- the real filter
 
 /// One filter of the miniature and its truth. Its first sample, exactly as predicted, starts it.
-class Run {
+class MeasurementRun {
  public:
-  Run(const Subject& subject, std::mt19937_64 random)
+  MeasurementRun(const SeenSubject& subject, std::mt19937_64 random)
       : subject_(subject), random_(random), filter_(subject.composition) {
     const Json config = Json::parse(subject.composition->config());
     channel_ = filter_.channel(
@@ -196,7 +191,7 @@ class Run {
     }
   }
 
-  const Subject& subject_;
+  const SeenSubject& subject_;
   std::mt19937_64 random_;
   Session filter_;
   ChannelId channel_;
@@ -225,7 +220,7 @@ std::string text_of(const Sum& sum, int runs) {
 }  // namespace
 
 void measurement_consistency(Trial& trial) {
-  const Subject subject(trial);
+  const SeenSubject subject(trial);
   const int runs = trial.repeats(40);
   auto random = trial.random(19'999);
   const PortStates ports = subject.measurement.ports(random, 0.0);
@@ -237,13 +232,13 @@ void measurement_consistency(Trial& trial) {
   }
   Sum sum;
   for (int number = 0; number < runs; ++number) {
-    Run run(subject, trial.random(20'000 + static_cast<std::uint64_t>(number)));
+    MeasurementRun run(subject, trial.random(20'000 + static_cast<std::uint64_t>(number)));
     run.update(trial, sum);
     if (!run.filter().healthy(FilterId{0})) return;
   }
   // A sample in a thousand is gated by design, and its run left out.
   if (sum.is_inside() && sum.left_out <= 1 + runs / 20) return;
-  const Run started(subject, trial.random(20'000));
+  const MeasurementRun started(subject, trial.random(20'000));
   judge(trial, subject, prior_of(subject, ports, &started.filter()), text_of(sum, runs));
 }
 

@@ -6,12 +6,11 @@
 
 #include "fixture.hpp"
 #include "miniature.hpp"
+#include "tried_roles.hpp"
 
 namespace binnacle::conform {
 
 namespace {
-
-const std::vector<Role> every_role(std::begin(all_roles), std::end(all_roles));
 
 bool is_one_line(const std::string& text) { return !text.empty() && text.find('\n') == std::string::npos; }
 

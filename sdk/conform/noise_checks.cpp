@@ -63,7 +63,7 @@ class World {
   Time time_ = 0;
 };
 
-void covariance(Trial& trial) {
+void estimated_covariance(Trial& trial) {
   auto random = trial.random(600);
   World world(trial, 1.0);
   for (int k = 0; k < trial.repeats(200); ++k) {
@@ -147,7 +147,7 @@ std::vector<Check> noise_checks() {
        roles,
        {"life.repeatable"},
        "R is symmetric, positive semidefinite and finite through quiet and loud stretches",
-       covariance},
+       estimated_covariance},
       {"numbers.noise.bounds",
        3,
        roles,

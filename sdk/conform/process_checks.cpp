@@ -17,8 +17,8 @@ constexpr double truncation = 0.02;
 /// Of sums of numbers of the size of the scales, and of 1 in Φ.
 constexpr double rounding = 1e-12;
 
-struct Subject {
-  explicit Subject(Trial& trial) : composition(compose_example(trial)), process(trial, *composition) {
+struct ProcessSubject {
+  explicit ProcessSubject(Trial& trial) : composition(compose_example(trial)), process(trial, *composition) {
     memory = process.caller.fresh_memory();
   }
   const testing::ProcessCaller& caller() const { return process.caller; }
@@ -30,8 +30,8 @@ struct Subject {
   std::vector<std::byte> memory;
 };
 
-void jacobian(Trial& trial) {
-  const Subject subject(trial);
+void transition_jacobian(Trial& trial) {
+  const ProcessSubject subject(trial);
   if (!subject.process.is_closed())
     Trial::not_applicable("it has a continuous form only; the kernel makes x+ = Phi x of it");
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
@@ -46,8 +46,8 @@ void jacobian(Trial& trial) {
   }
 }
 
-void value(Trial& trial) {
-  const Subject subject(trial);
+void moved_value(Trial& trial) {
+  const ProcessSubject subject(trial);
   if (!subject.process.is_closed()) Trial::not_applicable("it has a continuous form only");
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     auto random = trial.random(500 + static_cast<std::uint64_t>(repeat));
@@ -60,7 +60,7 @@ void value(Trial& trial) {
 }
 
 void noise(Trial& trial) {
-  const Subject subject(trial);
+  const ProcessSubject subject(trial);
   int seen = 0;
   std::string refusal;
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
@@ -82,7 +82,7 @@ void noise(Trial& trial) {
 }
 
 void rest(Trial& trial) {
-  const Subject subject(trial);
+  const ProcessSubject subject(trial);
   if (!subject.process.is_closed()) Trial::not_applicable("it has a continuous form only");
   auto random = trial.random(800);
   const PortStates ports = subject.process.ports(random, 0.3);
@@ -101,7 +101,7 @@ struct Split {
   testing::Accumulated halves;
 };
 
-void same_motion(Trial& trial, const Subject& subject, const Split& split) {
+void same_motion(Trial& trial, const ProcessSubject& subject, const Split& split) {
   for (std::size_t i = 0; i < split.ports.size(); ++i) {
     const PortState& at = split.ports[i];
     if (!subject.caller().moves(split.ports, i)) continue;
@@ -114,7 +114,7 @@ void same_motion(Trial& trial, const Subject& subject, const Split& split) {
   }
 }
 
-void same_transition(Trial& trial, const Subject& subject, const Split& split) {
+void same_transition(Trial& trial, const ProcessSubject& subject, const Split& split) {
   const PortStates& ports = split.ports;
   const Eigen::MatrixXd Phi = subject.caller().Phi(ports, split.whole);
   for (std::size_t to = 0; to < ports.size(); ++to)
@@ -136,7 +136,7 @@ void same_transition(Trial& trial, const Subject& subject, const Split& split) {
     }
 }
 
-void same_noise(Trial& trial, const Subject& subject, const Split& split) {
+void same_noise(Trial& trial, const ProcessSubject& subject, const Split& split) {
   const Eigen::MatrixXd Q = subject.caller().Q(split.ports, split.whole);
   for (Eigen::Index i = 0; i < Q.rows(); ++i)
     for (Eigen::Index j = 0; j < Q.cols(); ++j) {
@@ -149,7 +149,7 @@ void same_noise(Trial& trial, const Subject& subject, const Split& split) {
 }
 
 void composition(Trial& trial) {
-  const Subject subject(trial);
+  const ProcessSubject subject(trial);
   if (!subject.process.is_closed()) Trial::not_applicable("it has a continuous form only");
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(900 + static_cast<std::uint64_t>(repeat));
@@ -167,7 +167,7 @@ void composition(Trial& trial) {
 }
 
 void discretization(Trial& trial) {
-  const Subject subject(trial);
+  const ProcessSubject subject(trial);
   if (!subject.process.is_closed() || !subject.declared().has_continuous_form)
     Trial::not_applicable("it has one form only");
   auto random = trial.random(950);
@@ -203,7 +203,8 @@ void same_coefficients(Trial& trial, const Coefficients& first, const Coefficien
 }
 
 /// Nor is a model at rest.
-void same_state(Trial& trial, const Subject& subject, const PortStates& ports, const Coefficients& coefficients) {
+void same_state(Trial& trial, const ProcessSubject& subject, const PortStates& ports,
+                const Coefficients& coefficients) {
   if (!subject.declared().is_at_rest) return;
   trial.expect(subject.declared().transition.empty() && subject.declared().noise.empty(),
                "says that it is at rest, but lists blocks of Phi or Qd");
@@ -214,7 +215,8 @@ void same_state(Trial& trial, const Subject& subject, const PortStates& ports, c
 }
 
 /// A linear model with a diagonal Φ is not even asked for x⁺.
-void same_product(Trial& trial, const Subject& subject, const PortStates& ports, const Coefficients& coefficients) {
+void same_product(Trial& trial, const ProcessSubject& subject, const PortStates& ports,
+                  const Coefficients& coefficients) {
   const auto& couplings = subject.declared().transition;
   const auto is_diagonal = [](const Coupling& c) { return c.to == c.from && c.structure == Structure::diagonal; };
   if (!subject.declared().has_continuous_form || !std::all_of(couplings.begin(), couplings.end(), is_diagonal)) return;
@@ -231,7 +233,7 @@ void same_product(Trial& trial, const Subject& subject, const PortStates& ports,
 }
 
 void time_invariant(Trial& trial) {
-  const Subject subject(trial);
+  const ProcessSubject subject(trial);
   const auto& spec = subject.caller().spec();
   if (!subject.declared().is_time_invariant) Trial::not_applicable("it does not say that it is");
   if (!trial.expect(spec.fields.empty() && spec.inputs.empty() && subject.memory.empty(),
@@ -274,14 +276,14 @@ std::vector<Check> process_checks() {
        roles,
        {"life.repeatable"},
        "x+ is the same to the bit with and without Phi and Qd",
-       value},
+       moved_value},
       {"numbers.process.rest", 2, roles, {"life.repeatable"}, "dt = 0 gives x+ = x, Phi = I, Qd = 0", rest},
       {"numbers.process.jacobian",
        2,
        roles,
        {"life.repeatable"},
        "Phi is the derivative of x+ on the manifold, and what is not declared is zero",
-       jacobian},
+       transition_jacobian},
       {"numbers.process.noise", 2, roles, {"life.repeatable"}, "Qd is symmetric and positive semidefinite", noise},
       {"numbers.process.composition",
        3,

@@ -43,10 +43,10 @@ std::shared_ptr<const Composition> world_of(Trial& trial, bool is_driven) {
 }
 
 /// One filter and its truth.
-class Run {
+class ProcessRun {
  public:
-  Run(const std::shared_ptr<const Composition>& composition, const ProcessFixture& process, bool is_driven,
-      std::mt19937_64 random)
+  ProcessRun(const std::shared_ptr<const Composition>& composition, const ProcessFixture& process, bool is_driven,
+             std::mt19937_64 random)
       : composition_(composition),
         process_(process),
         is_driven_(is_driven),
@@ -144,7 +144,7 @@ void process_consistency(Trial& trial) {
   const int runs = trial.repeats(30);
   double sum = 0, dof = 0;
   for (int number = 0; number < runs; ++number) {
-    Run run(composition, process, is_driven, trial.random(10'000 + static_cast<std::uint64_t>(number)));
+    ProcessRun run(composition, process, is_driven, trial.random(10'000 + static_cast<std::uint64_t>(number)));
     for (int step = 0; step < steps; ++step) run.step();
     if (!trial.expect(run.filter().healthy(FilterId{0}),
                       "the miniature filter breaks: ", run.filter().diagnosis(FilterId{0})))

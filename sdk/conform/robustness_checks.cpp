@@ -5,15 +5,11 @@
 
 #include "fixture.hpp"
 #include "miniature.hpp"
+#include "tried_roles.hpp"
 
 namespace binnacle::conform {
 
 namespace {
-
-const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
-                                        Role::derived_block, Role::noise_estimator, Role::source,
-                                        Role::transform};
-const std::vector<Role> every_role(std::begin(all_roles), std::end(all_roles));
 
 void finite(Trial& trial) {
   const auto subject = fixture_of_example(trial);

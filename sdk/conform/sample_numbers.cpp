@@ -14,7 +14,7 @@ namespace {
 
 constexpr int rows_made_up = 4;
 
-std::string quoted(const std::string& name) { return "'" + name + "'"; }
+std::string in_marks(const std::string& name) { return "'" + name + "'"; }
 
 bool is_numbers(const Json& value) {
   return value.is_array() && !value.empty() &&
@@ -86,7 +86,8 @@ std::string wrong_shape(const ComponentSpec& spec) {
   if (!all.is_object()) return "its surroundings are no JSON object";
   const std::set<std::string> known = {"blocks", "sources", "sample", "inputs", "time", "files"};
   for (const auto& item : all.items())
-    if (!known.contains(item.key())) return "its surroundings have a key " + quoted(item.key()) + " that means nothing";
+    if (!known.contains(item.key()))
+      return "its surroundings have a key " + in_marks(item.key()) + " that means nothing";
   if (all.contains("time") && !all.at("time").is_number())
     return "its surroundings: time is to be a number of seconds, and is " + all.at("time").dump();
   if (all.contains("sample"))

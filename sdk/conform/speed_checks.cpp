@@ -6,14 +6,11 @@
 #include "allocations.hpp"
 #include "fixture.hpp"
 #include "miniature.hpp"
+#include "tried_roles.hpp"
 
 namespace binnacle::conform {
 
 namespace {
-
-const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
-                                        Role::derived_block, Role::noise_estimator, Role::source,
-                                        Role::transform};
 
 CallMeter metered_turns(Trial& trial, int turns) {
   const auto subject = fixture_of_example(trial);

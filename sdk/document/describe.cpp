@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A component's documentation, made of its spec: text for people, JSON for programs.
 #include "document/document.hpp"
+#include "kind_name.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +16,6 @@ namespace binnacle::document {
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-const char* kind_name(FieldKind kind) {
-  return kind == FieldKind::rate ? "rate" : kind == FieldKind::increment ? "increment" : "level";
-}
 
 const char* access_name(PortAccess access) { return access == PortAccess::advances ? "advances" : "reads"; }
 

@@ -8,16 +8,13 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
 #include "document/document.hpp"
+#include "kind_name.hpp"
 
 namespace binnacle::document {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-const char* kind_name(FieldKind kind) {
-  return kind == FieldKind::rate ? "rate" : kind == FieldKind::increment ? "increment" : "level";
-}
 
 /// Only where it is not by hand.
 void add_jacobians(Differentiation how, Json& entry) {

@@ -22,7 +22,7 @@ struct Name {
 };
 
 /// Names as loggers write them, without unit, in small letters.
-constexpr Name names[] = {
+constexpr Name known_names[] = {
     {"wx", "(g|w|gyro?|gyr|omega|rate|angular_?(rate|velocity))[_.]?x|roll_?rate|p", "rad/s"},
     {"wy", "(g|w|gyro?|gyr|omega|rate|angular_?(rate|velocity))[_.]?y|pitch_?rate|q", "rad/s"},
     {"wz", "(g|w|gyro?|gyr|omega|rate|angular_?(rate|velocity))[_.]?z|yaw_?rate|r", "rad/s"},
@@ -85,7 +85,7 @@ const std::vector<std::pair<std::string, std::regex>>& compiled_units() {
 }
 
 std::optional<Name> name_of(const std::string& text) {
-  for (const Name& name : names)
+  for (const Name& name : known_names)
     if (std::regex_match(text, std::regex(name.pattern))) return name;
   return std::nullopt;
 }

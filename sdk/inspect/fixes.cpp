@@ -70,11 +70,11 @@ struct Unit2 {
   double scale;
   double times = 1;  // of the unit: what it is called by in a config
 };
-constexpr Unit2 speeds[] = {{"m/s", 1},       {"km/h", 1 / 3.6}, {"kn", 0.514444},
-                            {"ft/s", 0.3048}, {"cm/s", 1e-2},    {"mm/s", 1e-3}};
-constexpr Unit2 angles[] = {
+constexpr Unit2 speed_units[] = {{"m/s", 1},       {"km/h", 1 / 3.6}, {"kn", 0.514444},
+                                 {"ft/s", 0.3048}, {"cm/s", 1e-2},    {"mm/s", 1e-3}};
+constexpr Unit2 angle_units[] = {
     {"deg", degree}, {"rad", 1}, {"arcmin", degree / 60}, {"arcsec", degree / 3600}, {"deg", degree * 1e-7, 1e-7}};
-constexpr Unit2 lengths[] = {{"m", 1}, {"ft", 0.3048}, {"cm", 1e-2}, {"mm", 1e-3}, {"km", 1e3}};
+constexpr Unit2 length_units[] = {{"m", 1}, {"ft", 0.3048}, {"cm", 1e-2}, {"mm", 1e-3}, {"km", 1e3}};
 
 template <std::size_t N>
 const Unit2* nearest(const Unit2 (&all)[N], double scale, double most = 0.06) {
@@ -182,7 +182,7 @@ void ask_vertical(const Channel& channel, Fixes& fixes, VelocityRelation& relati
   const double factor = std::abs(slope);
   if (std::abs(factor - 1) > std::max(0.2, 5 * error)) {
     const double stated = channel.find("height")->scale;
-    if (const Unit2* unit = nearest(lengths, stated / factor, 0.25)) {
+    if (const Unit2* unit = nearest(length_units, stated / factor, 0.25)) {
       report_unit(channel, "height_unit", {"height"}, *unit, unit->scale / stated, evidence, findings);
       for (auto& p : fixes.p) p[2] *= unit->scale / stated;
     }
@@ -208,7 +208,7 @@ void ask_range(const Channel& channel, Fixes& fixes, Findings& findings) {
   const double stated = channel.find("lat")->scale;
   // Exchanged with a longitude, it may be up to 180 deg.
   if (!(quantile(lat, 0.5) > 3.15)) return;
-  for (const Unit2& unit : angles) {
+  for (const Unit2& unit : angle_units) {
     Fixes other = fixes;
     for (auto& p : other.p) p.head<2>() *= unit.scale / stated;
     if (quantile(lat, 0.5) * unit.scale / stated > 1.5708) continue;
@@ -252,8 +252,8 @@ VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& fi
   const double north = fit.A(0, 0), east = fit.A(1, 1);
   const double scale = std::abs(north);
   if (std::abs(std::log(scale)) > 0.1) {
-    const Unit2* const speed = nearest(speeds, channel.find("vn")->scale * scale);
-    const Unit2* const angle = nearest(angles, channel.find("lat")->scale / scale);
+    const Unit2* const speed = nearest(speed_units, channel.find("vn")->scale * scale);
+    const Unit2* const angle = nearest(angle_units, channel.find("lat")->scale / scale);
     if (speed) {
       report_unit(channel, "velocity_unit", there(channel, {"vn", "ve", "vd"}), *speed, scale, evidence, findings);
       for (auto& v : fixes.v) v *= scale;

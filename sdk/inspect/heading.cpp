@@ -11,14 +11,12 @@ namespace binnacle::inspect {
 
 namespace {
 
-constexpr double degrees = 57.29577951308232;
-
-struct Fit {
+struct HeadingFit {
   double sign = 1, factor = 1, offset = 0, length = -1;  // of the mean direction: 1 where all agree
 };
 
-Fit best_fit(const Field& field, const Fixes& fixes, const std::vector<std::size_t>& rows, std::size_t& used) {
-  Fit best;
+HeadingFit best_fit(const Field& field, const Fixes& fixes, const std::vector<std::size_t>& rows, std::size_t& used) {
+  HeadingFit best;
   for (const double sign : {1.0, -1.0})
     for (const double factor : {1.0, 1 / degrees, degrees}) {
       std::complex<double> sum = 0;
@@ -43,7 +41,7 @@ void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings)
   if (!field || !fixes.has_velocity || field->si != "rad") return;
   const auto rows = rows_in_order(channel.t);
   std::size_t used = 0;
-  const Fit best = best_fit(*field, fixes, rows, used);
+  const HeadingFit best = best_fit(*field, fixes, rows, used);
   Finding found;
   found.kind = "heading";
   found.channel = channel.name;

@@ -18,9 +18,9 @@ namespace binnacle::inspect {
 namespace {
 
 /// Of all windows: lever arm, delay, bias of the forces, bias of the rates.
-constexpr int all = 10;
-using Normal = Eigen::Matrix<double, all, all>;
-using Unknowns = Eigen::Matrix<double, all, 1>;
+constexpr int unknown_count = 10;
+using Normal = Eigen::Matrix<double, unknown_count, unknown_count>;
+using Unknowns = Eigen::Matrix<double, unknown_count, 1>;
 
 /// Of one window: a small rotation, and the velocity at its begin, north and east.
 constexpr int own = 5;
@@ -41,7 +41,7 @@ struct Rows {
 /// difference shares its own with the next. What the window's own unknowns explain is projected out (Frisch and Waugh).
 Rows rows_of(const std::vector<Windows::Step>& steps, double begin) {
   const auto n = static_cast<Eigen::Index>(2 * (steps.size() + 1));
-  Rows rows{Eigen::MatrixXd::Zero(n, all), Eigen::VectorXd::Zero(n)};
+  Rows rows{Eigen::MatrixXd::Zero(n, unknown_count), Eigen::VectorXd::Zero(n)};
   Eigen::MatrixXd of_window = Eigen::MatrixXd::Zero(n, own);
   const auto put = [&](Eigen::Index fix, const Matrix3d& C, const Vector3d& rate, const Vector3d& force, double doubt) {
     rows.X.block<2, 3>(2 * fix, 0) = (C * cross_matrix(rate)).topRows<2>() / doubt;
@@ -99,15 +99,15 @@ double sigma_of(const std::vector<Rows>& windows, const Unknowns& x) {
   return std::max(1.4826 * median(std::move(away)), 1e-4);
 }
 
-struct Fit {
+struct ArmFit {
   Unknowns x = Unknowns::Zero();
   Normal covariance = Normal::Zero();
 };
 
 /// `before`: what earlier passes have taken off, which the knowledge before all passes is about.
-Fit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
+ArmFit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
   const Unknowns known = known_before().cwiseAbs2().cwiseInverse();
-  Fit fit;
+  ArmFit fit;
   std::vector<Sums> each;
   Sums total;
   for (int pass = 0; pass < 8; ++pass) {
@@ -131,7 +131,7 @@ Fit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
   // Where few windows turn, it may be small by chance: not below white errors of each fix. A window's own unknowns leave residuals smaller.
   double rows = 0;
   for (const Rows& each_window : windows) rows += static_cast<double>(each_window.y.size());
-  const Unknowns white = inverse.diagonal() * (rows / std::max(1.0, rows - own * n - all));
+  const Unknowns white = inverse.diagonal() * (rows / std::max(1.0, rows - own * n - unknown_count));
   const Unknowns larger = white.cwiseQuotient(fit.covariance.diagonal()).cwiseMax(1).cwiseSqrt();
   fit.covariance = larger.asDiagonal() * fit.covariance * larger.asDiagonal();
   fit.covariance += inverse * known.asDiagonal() * inverse;
@@ -145,7 +145,7 @@ namespace {
 LeverArm arm_near(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias, double near) {
   LeverArm lever_arm;
   Unknowns taken = Unknowns::Zero();
-  Fit fit;
+  ArmFit fit;
   for (int pass = 0; pass < 5; ++pass) {
     Windows windows(inertial, fixes, delay + taken[3], 20, near);
     if (windows.size() < 5) return {};

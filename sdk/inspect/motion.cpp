@@ -15,8 +15,6 @@ namespace binnacle::inspect {
 
 namespace {
 
-constexpr double degrees = 57.29577951308232;
-
 Matrix3d nearest_rotation(const Matrix3d& sum) {
   const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);

@@ -13,6 +13,8 @@
 
 namespace binnacle::inspect {
 
+inline constexpr double degrees = 57.29577951308232;  // per radian
+
 /// "12.3", four significant digits.
 std::string figure(double value);
 /// A patch of one value: {"sources": {CHANNEL: …}}.

@@ -14,7 +14,7 @@ namespace binnacle::live {
 namespace {
 
 /// For one event; a page that takes longer is gone.
-constexpr std::chrono::seconds timeout{30};
+constexpr std::chrono::seconds viewer_timeout{30};
 
 /// Of the system's, for what is on its way; more would let a slow page lag behind [bytes].
 constexpr int buffer = 256 * 1024;
@@ -56,7 +56,7 @@ void Viewer::leave() {
 
 void Viewer::write(std::shared_ptr<const std::string> text) {
   under_way_ = std::move(text);
-  patience_.expires_after(timeout);
+  patience_.expires_after(viewer_timeout);
   patience_.async_wait([self = shared_from_this()](const auto& error) {
     if (!error) self->end();
   });

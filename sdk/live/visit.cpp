@@ -14,7 +14,7 @@ namespace binnacle::live {
 
 namespace {
 
-constexpr std::chrono::seconds timeout{10};
+constexpr std::chrono::seconds visit_timeout{10};
 constexpr std::uint32_t most_bytes = 8192;
 
 }  // namespace
@@ -25,7 +25,7 @@ Visit::Visit(Server& server, boost::asio::ip::tcp::socket socket, std::shared_pt
 }
 
 void Visit::start() {
-  stream_.expires_after(timeout);
+  stream_.expires_after(visit_timeout);
   http::async_read(stream_, buffer_, parser_,
                    [self = shared_from_this()](const auto& error, std::size_t) { self->answer(error); });
 }
@@ -74,7 +74,7 @@ void Visit::reply(http::status status, const char* type, std::string body) {
   response_->keep_alive(false);
   response_->body() = std::move(body);
   response_->prepare_payload();
-  stream_.expires_after(timeout);
+  stream_.expires_after(visit_timeout);
   http::async_write(stream_, *response_, [self = shared_from_this()](const auto&, std::size_t) {
     boost::system::error_code ignored;
     self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);

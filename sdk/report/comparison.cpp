@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "missing.hpp"
+
 namespace binnacle::report {
 
 namespace {
@@ -20,13 +22,6 @@ const FilterResults* filter_in(const RunResults& run, const std::string& name) {
   for (const auto& filter : run.filters)
     if (filter.name == name) return &filter;
   return nullptr;
-}
-
-const Json& at_or_null(const Json& object, const std::string& key) {
-  static const Json null;
-  if (!object.is_object()) return null;
-  const auto found = object.find(key);
-  return found == object.end() ? null : *found;
 }
 
 std::string listed(const std::vector<std::string>& names) {

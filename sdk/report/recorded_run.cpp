@@ -13,16 +13,16 @@
 
 namespace binnacle::report {
 
-namespace {
-
-constexpr std::size_t most_track_rows = 16384;
-constexpr double earth_radius = 6.371e6;  // how far places are apart, and not where they are
-
 /// Of the block whose places are the track, as track_of() takes them: its first two outputs that are such.
 struct TrackColumns {
   std::size_t lat, lon;  // north and east of a plane
   bool is_geographic;
 };
+
+namespace {
+
+constexpr std::size_t most_track_rows = 16384;
+constexpr double earth_radius = 6.371e6;  // how far places are apart, and not where they are
 
 std::optional<TrackColumns> track_columns(const results::FilterResults& filter) {
   const auto find = [&](const std::string& block, const char* output) {
@@ -41,10 +41,10 @@ std::optional<TrackColumns> track_columns(const results::FilterResults& filter) 
 }
 
 template <class Values>
-std::vector<double> picked(const Values& values, const std::vector<std::size_t>& indices) {
-  std::vector<double> picked;
-  for (const auto i : indices) picked.push_back(values[i]);
-  return picked;
+std::vector<double> chosen(const Values& values, const std::vector<std::size_t>& indices) {
+  std::vector<double> chosen;
+  for (const auto i : indices) chosen.push_back(values[i]);
+  return chosen;
 }
 
 /// So many, evenly, the first and the last among them.
@@ -126,8 +126,8 @@ class RecordedRun::Filter final : public StepObserver {
     if (!errors.sigma.empty()) series.emplace_back(errors.sigma);
     const auto kept = extremes(series, most_);
     for (const auto i : kept) error.t.push_back(results::nearest_seconds(errors.t[i]));
-    error.values = picked(errors.values, kept);
-    if (!errors.sigma.empty()) error.sigma = picked(errors.sigma, kept);
+    error.values = chosen(errors.values, kept);
+    if (!errors.sigma.empty()) error.sigma = chosen(errors.sigma, kept);
     keep_of_reference(errors);
   }
 
@@ -176,7 +176,7 @@ class RecordedRun::Filter final : public StepObserver {
     error.name = errors.name;
     const auto kept = evenly(errors.t.size(), most_);
     for (const auto i : kept) error.t.push_back(results::nearest_seconds(errors.t[i]));
-    error.values = picked(errors.values, kept);
+    error.values = chosen(errors.values, kept);
   }
 
   const FilterInfo& info_;

@@ -11,6 +11,7 @@
 #include "consistency.hpp"
 #include "decimation.hpp"
 #include "display.hpp"
+#include "missing.hpp"
 #include "payload.hpp"
 #include "score/metric.hpp"
 
@@ -45,12 +46,6 @@ std::pair<std::string, std::string> split_name(const std::string& name) {
 bool has_block(const FilterResults& filter, const std::string& name) {
   return std::any_of(filter.estimates.begin(), filter.estimates.end(),
                      [&](const Estimate& estimate) { return estimate.block == name; });
-}
-
-const Json& at_or_null(const Json& object, const std::string& key) {
-  static const Json null;
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  return object.is_object() && found != object.end() ? *found : null;
 }
 
 // ---- a filter's payload

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+
+#include "missing.hpp"
 
 namespace binnacle::report {
 
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Where the least and the greatest of a stretch are; NaN is passed over. Both `end` where there is nothing else.
 struct Extremes {

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "binnacle/time.hpp"
 #include "decimation.hpp"
+#include "missing.hpp"
 
 namespace binnacle::report {
 
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Rows of a sample whose extremes are kept besides those of its NIS.
 constexpr std::size_t most_slots = 4;

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "missing.hpp"
 
 namespace binnacle::report {
 
@@ -12,8 +13,6 @@ namespace {
 using results::Error;
 using results::Estimate;
 using results::FilterResults;
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 struct Radii {
   double meridian, transverse;  // [m]

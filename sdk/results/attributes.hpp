@@ -8,12 +8,13 @@
 
 #include "columns.hpp"
 #include "netcdf.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::results {
 
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-inline std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using wording::as_size;
 
 struct Units {
   std::string si, display;

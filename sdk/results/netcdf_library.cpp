@@ -13,7 +13,7 @@ namespace nc {
 
 namespace {
 
-constexpr const char* file = BINNACLE_NETCDF_FILE;  // "libnetcdf.so.19"
+constexpr const char* library_file = BINNACLE_NETCDF_FILE;  // "libnetcdf.so.19"
 
 [[noreturn]] void refuse(const std::string& why) {
   throw LibraryMissing("the NetCDF library cannot be loaded: " + why + "; install the Debian package " +
@@ -24,7 +24,7 @@ constexpr const char* file = BINNACLE_NETCDF_FILE;  // "libnetcdf.so.19"
 template <class Function>
 void find(void* handle, const char* name, Function& function) {
   void* const symbol = dlsym(handle, name);
-  if (!symbol) refuse(std::string("'") + file + "' has no function " + name);
+  if (!symbol) refuse(std::string("'") + library_file + "' has no function " + name);
   function = reinterpret_cast<Function>(symbol);
 }
 
@@ -32,7 +32,7 @@ Library load() {
   // All of it now: a function that is missing below must not end the program in the middle of a run. Local: a program
   // that embeds this may have another HDF5.
   require_memory(memory_of_library);
-  void* const handle = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+  void* const handle = dlopen(library_file, RTLD_NOW | RTLD_LOCAL);
   if (!handle) refuse(dlerror());
   Library library{};
 #define BINNACLE_NETCDF_FIND(name) find(handle, #name, library.name);

@@ -4,10 +4,10 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <utility>
 
+#include "wording/short_number.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -18,14 +18,8 @@ namespace {
 
 constexpr double gravity = 9.81, least_seconds = 60;
 constexpr double most_force = 1.05, least_force = 0.5;  // over gravity; a vehicle that tilts has less in the mean
-constexpr double least_explained = 0.6, sigmas = 5, limit = 0.1;
+constexpr double least_of_turns = 0.6, least_scale_off = 0.1;
 constexpr double half = 0.5, most_askew = 0.175;  // rad, 10 deg: suspension and slopes make some
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 /// The coefficients of the three axes, each over its 1-sigma.
 Eigen::Vector3d significance(const LinearFit<4>& fit) {
@@ -47,12 +41,13 @@ struct Turn {
 Turn judged(const InputFit::Axes& axes) {
   using enum Turn::Kind;
   const auto& vertical = axes.vertical;
-  if (!vertical.is_determined || axes.turn.explained < least_explained) return {};
+  if (!vertical.is_determined || axes.turn.explained < least_of_turns) return {};
   if (vertical.explained < half * axes.turn.explained) return {elsewhere};
   const double about = vertical.coefficients[0], sigma = std::sqrt(vertical.covariance(0, 0));
-  if (vertical.explained < least_explained || std::abs(about) < sigmas * sigma) return {};
+  if (vertical.explained < least_of_turns || std::abs(about) < clear_sigmas * sigma) return {};
   const double scale = 1 / std::abs(about), off = std::abs(scale - 1);
-  const bool is_off = off > limit + (1 - vertical.explained) && off > sigmas * sigma / std::abs(about) * scale;
+  const bool is_off =
+      off > least_scale_off + (1 - vertical.explained) && off > clear_sigmas * sigma / std::abs(about) * scale;
   return {about < 0 ? opposite : right, is_off ? scale : 1};
 }
 
@@ -68,7 +63,7 @@ std::pair<double, double> way_ahead(const InputFit::Axes& axes, const Eigen::Vec
 /// Whether the axes along which the vehicle speeds up and is pulled aside make a right hand with down: 1, −1, 0: unknown.
 int handedness(const InputFit::Axes& axes, const Eigen::Vector3d& down) {
   for (const auto* fit : {&axes.ahead, &axes.aside})
-    if (!fit->is_determined || fit->explained < least_explained) return 0;
+    if (!fit->is_determined || fit->explained < least_of_turns) return 0;
   const auto level = [&](const LinearFit<4>& fit) {
     const Eigen::Vector3d along = fit.coefficients.head<3>();
     return (along - along.dot(down) * down).normalized();
@@ -88,7 +83,7 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
   const double force = axes.force.norm() / gravity;
   if (axes.seconds < least_seconds || !(force > 0)) return all;
   if (force > most_force || force < least_force)
-    all.push_back("the mean specific force" + its + " is " + number(force) +
+    all.push_back("the mean specific force" + its + " is " + short_number(force) +
                   " times gravity: is its unit or scale wrong?");
   const Eigen::Vector3d down = -axes.force.normalized();
   const Turn turn = judged(axes);
@@ -109,7 +104,7 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
     all.push_back("the gyros" + its + " turn with " + course + " about " + axis(significance(axes.turn), input.turn) +
                   ", while the vertical of the accelerometers is " + vertical + ": are axes swapped?");
   if (turn.scale != 1)
-    all.push_back("the turns of the gyros" + its + " are " + number(turn.scale) + " times those of " + course +
+    all.push_back("the turns of the gyros" + its + " are " + short_number(turn.scale) + " times those of " + course +
                   ": is their unit or scale wrong?");
   if (hand < 0)
     all.push_back("the accelerometers" + its + " measure forward acceleration along " +
@@ -117,12 +112,12 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
                   axis(significance(axes.aside), input.force) + " and the support of the ground along " + vertical +
                   ": these axes are left-handed; are two axes swapped, or is a sign wrong?");
   const auto [angle, sigma] = way_ahead(axes, down);
-  const bool is_askew = hand > 0 && std::abs(angle) > std::max(most_askew, sigmas * sigma);
+  const bool is_askew = hand > 0 && std::abs(angle) > std::max(most_askew, clear_sigmas * sigma);
   if (is_askew && std::abs(down.x()) < half && !input.rolls.empty())
     all.push_back(
         "the accelerometers" + its + " measure forward acceleration " +
-        number(std::round(std::abs(angle) * 180 / std::numbers::pi)) + " deg to the " + (angle > 0 ? "right" : "left") +
-        " of the x axis, along which " + in_quotes(input.rolls) +
+        short_number(std::round(std::abs(angle) * 180 / std::numbers::pi)) + " deg to the " +
+        (angle > 0 ? "right" : "left") + " of the x axis, along which " + in_quotes(input.rolls) +
         " assumes the motion of the vehicle: is the mounting of the sensor different, or are axes exchanged?");
   return all;
 }

@@ -13,7 +13,7 @@ using namespace wording;
 
 namespace {
 
-Eigen::Vector3d vector(const SampleView& sample, const VectorFields& fields) {
+Eigen::Vector3d vector_of(const SampleView& sample, const VectorFields& fields) {
   return {sample.fields[fields.index[0]], sample.fields[fields.index[1]], sample.fields[fields.index[2]]};
 }
 
@@ -37,15 +37,15 @@ void CauseWatch::sampled(int channel, const SampleView& sample) {
     const Time t0 = sample.t0 != no_time ? sample.t0 : input_t_;
     const double dt = t0 == no_time ? 0 : seconds(sample.t - t0);
     Turns increment;
-    increment << vector(sample, fields_.input->turn) * (fields_.input->turn.is_rate ? dt : 1),
-        vector(sample, fields_.input->force) * (fields_.input->force.is_rate ? dt : 1);
+    increment << vector_of(sample, fields_.input->turn) * (fields_.input->turn.is_rate ? dt : 1),
+        vector_of(sample, fields_.input->force) * (fields_.input->force.is_rate ? dt : 1);
     for (auto& fix : fixes_) fix.input_fit->add_input(t0, sample.t, increment);
     input_t_ = sample.t;
   }
   for (auto& fix : fixes_) {
     if (channel != fix.fields->channel) continue;
-    const Eigen::Vector3d velocity = vector(sample, fix.fields->velocity);
-    if (fix.fields->position) fix.field_fit.add(sample.t, vector(sample, *fix.fields->position), velocity);
+    const Eigen::Vector3d velocity = vector_of(sample, fix.fields->velocity);
+    if (fix.fields->position) fix.field_fit.add(sample.t, vector_of(sample, *fix.fields->position), velocity);
     if (fix.input_fit) fix.input_fit->add_velocity(sample.t, velocity[0], velocity[1]);
   }
 }

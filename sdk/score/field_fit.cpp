@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <utility>
 
 #include "binnacle/geodesy.hpp"
 #include "linear_fit.hpp"
+#include "wording/short_number.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -18,9 +18,10 @@ using namespace wording;
 
 namespace {
 
-constexpr Time window = 4 * nanoseconds_per_second, longest_gap = 3 * nanoseconds_per_second;
-constexpr double least_count = 12, least_speed = 0.5;  // windows; m/s of a field, what others show of it left out
-constexpr double least_explained = 0.95, sigmas = 5, limit = 0.05;
+constexpr Time window_length = 4 * nanoseconds_per_second, longest_gap = 3 * nanoseconds_per_second;
+constexpr double least_windows = 12,
+                 least_field_speed = 0.5;  // windows; m/s of a field, what others show of it left out
+constexpr double least_of_field = 0.95, field_tolerance = 0.05;
 constexpr std::array<std::pair<const char*, const char*>, 3> ways{
     {{"north", "south"}, {"east", "west"}, {"down", "up"}}};
 
@@ -31,12 +32,6 @@ Eigen::Vector3d displacement(const Eigen::Vector3d& from, const Eigen::Vector3d&
           from[2] - to[2]};
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 }  // namespace
 
 void FieldFit::add(Time t, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity) {
@@ -45,7 +40,7 @@ void FieldFit::add(Time t, const Eigen::Vector3d& position, const Eigen::Vector3
   if (goes_on) way_ += 0.5 * seconds(t - last_) * (last_velocity_ + velocity);
   last_ = t;
   last_velocity_ = velocity;
-  if (goes_on && t - begin_ < window) return;
+  if (goes_on && t - begin_ < window_length) return;
   if (goes_on) {
     const double dt = seconds(t - begin_);
     const Eigen::Vector3d v = way_ / dt;
@@ -66,24 +61,26 @@ void FieldFit::add(Time t, const Eigen::Vector3d& position, const Eigen::Vector3
 
 bool FieldFit::Fitted::is_wrong(int row, int column, double by) const {
   const double off = std::abs(matrix(row, column) - (row == column));
-  return is_moving[as_size(column)] && is_explained[as_size(row)] && off > by && off > sigmas * sigma(row, column);
+  return is_moving[as_size(column)] && is_explained[as_size(row)] && off > by &&
+         off > clear_sigmas * sigma(row, column);
 }
 
 bool FieldFit::Fitted::is_identity() const {
   for (int row = 0; row < 2; ++row)
     for (int column = 0; column < 2; ++column)
-      if (is_wrong(row, column, limit) || !is_moving[as_size(column)] || !is_explained[as_size(row)]) return false;
+      if (is_wrong(row, column, field_tolerance) || !is_moving[as_size(column)] || !is_explained[as_size(row)])
+        return false;
   return true;
 }
 
 /// Where the third field hardly changes, the first two are judged without it.
 FieldFit::Fitted FieldFit::fitted(bool is_exchanged) const {
   Fitted fitted;
-  if (count_ < least_count) return fitted;
+  if (count_ < least_windows) return fitted;
   const Sums& sums = is_exchanged ? exchanged_ : as_labelled_;
   const auto keep = [&](int row, int columns, const auto& its) {
     if (!its.is_determined) return;
-    fitted.is_explained[as_size(row)] = its.explained > least_explained;
+    fitted.is_explained[as_size(row)] = its.explained > least_of_field;
     for (int column = 0; column < columns; ++column) {
       fitted.matrix(row, column) = its.coefficients[column];
       fitted.sigma(row, column) = std::sqrt(its.covariance(column, column));
@@ -91,7 +88,8 @@ FieldFit::Fitted FieldFit::fitted(bool is_exchanged) const {
   };
   const auto moves = [&](const auto& products, int column) {
     const auto inverse = products.inverse().eval();
-    return std::isfinite(inverse(column, column)) && 1 / (inverse(column, column) * count_) > least_speed * least_speed;
+    return std::isfinite(inverse(column, column)) &&
+           1 / (inverse(column, column) * count_) > least_field_speed * least_field_speed;
   };
   const Eigen::Matrix2d level = vv_.topLeftCorner<2, 2>();
   const bool has_third = moves(vv_, 0) && moves(vv_, 1) && moves(vv_, 2);
@@ -134,18 +132,19 @@ std::vector<std::string> FieldFit::words(const FixFields& fix) const {
   const auto is_main = [&](int row, int column) {
     int main = 0;
     its.matrix.col(column).cwiseAbs().maxCoeff(&main);
-    return main == row && its.is_wrong(row, column, limit);
+    return main == row && its.is_wrong(row, column, field_tolerance);
   };
   for (int field = 0; field < 3; ++field) {
     int main = 0;
     its.matrix.col(field).cwiseAbs().maxCoeff(&main);
-    if (!its.is_wrong(field, field, limit) && !its.is_wrong(main, field, limit)) continue;
+    if (!its.is_wrong(field, field, field_tolerance) && !its.is_wrong(main, field, field_tolerance)) continue;
     if (main < field && is_main(field, main)) continue;  // the other half of what was said
     const double share = its.matrix(main, field);
     const auto& [there, back] = ways[as_size(main)];
     const std::string follows = "the velocity field " + name(field) + where + " follows the motion " +
                                 (share < 0 ? back : there) + ", as its position shows it";
-    const bool is_partly = its.is_wrong((field + 1) % 3, field, limit) || its.is_wrong((field + 2) % 3, field, limit);
+    const bool is_partly =
+        its.is_wrong((field + 1) % 3, field, field_tolerance) || its.is_wrong((field + 2) % 3, field, field_tolerance);
     if (main != field)
       all.push_back(follows + ": are " + name(std::min(field, main)) + " and " + name(std::max(field, main)) +
                     " swapped?");
@@ -154,8 +153,8 @@ std::vector<std::string> FieldFit::words(const FixFields& fix) const {
     else if (share < 0)
       all.push_back(follows + ": is its sign wrong?");
     else
-      all.push_back("the velocity field " + name(field) + where + " is " + number(1 / share) + " times the motion " +
-                    there + ", as its position shows it: is its unit or scale wrong?");
+      all.push_back("the velocity field " + name(field) + where + " is " + short_number(1 / share) +
+                    " times the motion " + there + ", as its position shows it: is its unit or scale wrong?");
   }
   return all;
 }

@@ -13,9 +13,9 @@ using namespace wording;
 
 namespace {
 
-constexpr double rare = 1e-6;         // probability of so many refusals, if all samples are right
+constexpr double rare_probability = 1e-6;  // probability of so many refusals, if all samples are right
 constexpr double far_from_it = 0.1;   // NIS over its limit
-constexpr std::int64_t enough = 100;  // samples
+constexpr std::int64_t enough_offered = 100;  // samples
 
 std::string percent(double share) {
   char text[32];
@@ -72,11 +72,11 @@ std::vector<std::string> GateWatch::notes(const std::vector<MeasurementCounts>& 
     const std::int64_t all = refused + used;
     const double expected = 1 - gate.probability, share = static_cast<double>(refused) / static_cast<double>(all);
     const std::string who = "the gate of '" + measurement.name + "' ";
-    if (refused > 0 && share > expected && binomial_tail(all, refused, expected) < rare)
+    if (refused > 0 && share > expected && binomial_tail(all, refused, expected) < rare_probability)
       notes.push_back(who + "refused " + percent(share) + " (" + std::to_string(refused) + " of " +
                       std::to_string(all) + (is_by_sample ? " samples" : " rows") + ") where " + percent(expected) +
                       " was expected");
-    if (refused == 0 && seen_[m].samples >= enough && seen_[m].largest < far_from_it)
+    if (refused == 0 && seen_[m].samples >= enough_offered && seen_[m].largest < far_from_it)
       notes.push_back(who + "was never near: the largest NIS of " + std::to_string(seen_[m].samples) + " samples is " +
                       percent(seen_[m].largest) + " of its limit");
   }

@@ -17,11 +17,12 @@ using namespace wording;
 
 namespace {
 
-constexpr Time shortest = 400 * (nanoseconds_per_second / 1000), longest = 2500 * (nanoseconds_per_second / 1000);
-constexpr double least_speed = 2, most_turn = 1.5;  // m/s, rad
-constexpr double least_count = 40;
+constexpr Time shortest_step = 400 * (nanoseconds_per_second / 1000),
+               longest_step = 2500 * (nanoseconds_per_second / 1000);
+constexpr double least_fix_speed = 2, most_turn = 1.5;  // m/s, rad
+constexpr double least_intervals = 40;
 constexpr double independent = 0.5;  // of the rows: neighbours have a sample of velocity in common
-constexpr double least_explained = 0.6, sigmas = 5, least_shift = 0.05;
+constexpr double least_of_rows = 0.6, least_shift = 0.05;
 constexpr double longest_arm = 20;  // m, to an antenna
 constexpr std::size_t apart =
     15;  // steps: a second shift that fits as well, this far from the best, makes both worthless
@@ -44,9 +45,9 @@ void InputFit::add_input(Time t0, Time t, const Turns& increment) {
 }
 
 void InputFit::add_velocity(Time t, double north, double east) {
-  if (!std::isfinite(north) || !std::isfinite(east) || (last_ != no_time && t < last_ + shortest)) return;
+  if (!std::isfinite(north) || !std::isfinite(east) || (last_ != no_time && t < last_ + shortest_step)) return;
   const double before = std::hypot(north_, east_), now = std::hypot(north, east);
-  if (last_ != no_time && t - last_ <= longest && std::min(before, now) > least_speed) {
+  if (last_ != no_time && t - last_ <= longest_step && std::min(before, now) > least_fix_speed) {
     const double turn = std::atan2(north_ * east - east_ * north, north_ * north + east_ * east);
     if (waiting_count_ == waiting_.size()) {
       first_ = (first_ + 1) % waiting_.size();
@@ -140,7 +141,7 @@ InputFit::Minimum InputFit::minimum(const Misfits& misfits, std::size_t near) {
 
 InputFit::Best InputFit::best() const {
   Best best;
-  if (count_ < least_count) return best;
+  if (count_ < least_intervals) return best;
   const Misfits course = misfits(&Sums::gyro, &Sums::turn, turn2_),
                 speed = misfits(&Sums::accel, &Sums::ahead, ahead2_);
   Misfits both;
@@ -163,13 +164,13 @@ InputFit::Best InputFit::best() const {
 /// course alone shows a shift only if no such lever arm can be meant.
 std::optional<InputFit::Shift> InputFit::shift() const {
   const Best its = best();
-  if (its.margin < sigmas * sigmas) return std::nullopt;
-  const bool has_speed = its.ahead.explained > least_explained;
+  if (its.margin < clear_sigmas * clear_sigmas) return std::nullopt;
+  const bool has_speed = its.ahead.explained > least_of_rows;
   const Minimum& found = has_speed ? its.by_speed : its.by_course;
   const double least = has_speed ? least_shift : longest_arm / (speed_sum_ / count_);
-  const bool is_clear = found.sigma > 0 && found.gain > sigmas * sigmas &&
-                        (has_speed || its.turn.explained > least_explained) &&
-                        std::abs(found.seconds) > std::max(least, sigmas * found.sigma);
+  const bool is_clear = found.sigma > 0 && found.gain > clear_sigmas * clear_sigmas &&
+                        (has_speed || its.turn.explained > least_of_rows) &&
+                        std::abs(found.seconds) > std::max(least, clear_sigmas * found.sigma);
   if (!is_clear) return std::nullopt;
   return Shift{found.seconds, found.sigma};
 }

@@ -10,6 +10,9 @@
 
 namespace binnacle::score {
 
+/// A coefficient this many 1-sigmas off is no matter of noise.
+inline constexpr double clear_sigmas = 5;
+
 /// y = coefficients · x + noise, over `count` rows.
 template <int N>
 struct LinearFit {

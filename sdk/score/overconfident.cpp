@@ -7,14 +7,8 @@
 
 namespace binnacle::score {
 
-namespace {
-
-constexpr double rare = 4.75;  // normal score of a probability of 1e-6
-
-}  // namespace
-
 std::string overconfident(const nlohmann::ordered_json& consistency) {
-  double most = rare;
+  double most = rare_score;
   std::string text;
   for (const auto& [name, entry] : consistency.items()) {
     const double nees = entry.at("nees_mean"), dof = entry.at("dof");

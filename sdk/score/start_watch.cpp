@@ -14,7 +14,7 @@ using namespace wording;
 
 namespace {
 
-constexpr double rare = 6;  // normal score of a probability of 1e-9
+constexpr double rare_at_start = 6;  // normal score of a probability of 1e-9
 
 }  // namespace
 
@@ -52,7 +52,7 @@ std::vector<std::string> StartWatch::notes(Time start) const {
   std::vector<std::string> notes;
   for (std::size_t m = 0; m < first_.size(); ++m) {
     const First& first = first_[m];
-    if (first.t == no_time || chi_squared_score(first.nis / first.rows, first.rows) < rare) continue;
+    if (first.t == no_time || chi_squared_score(first.nis / first.rows, first.rows) < rare_at_start) continue;
     const MeasurementInfo& measurement = filter_.measurements[m];
     const RowGroupInfo& group = measurement.groups[as_size(first.group)];
     char figures[160];

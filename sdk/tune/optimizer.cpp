@@ -19,7 +19,7 @@ struct Watched {
   Minimum best;
 };
 
-double shown(const std::vector<double>& z, std::vector<double>& gradient, void* data) {
+double watched_cost(const std::vector<double>& z, std::vector<double>& gradient, void* data) {
   auto& watched = *static_cast<Watched*>(data);
   auto u = z;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] /= watched.weights[i];
@@ -48,7 +48,7 @@ Minimum minimize(const Function& function, const std::vector<double>& start, int
     return values;
   };
   nlopt::opt optimizer(function.has_gradient ? nlopt::LD_LBFGS : nlopt::LN_BOBYQA, static_cast<unsigned>(start.size()));
-  optimizer.set_min_objective(shown, &watched);
+  optimizer.set_min_objective(watched_cost, &watched);
   optimizer.set_lower_bounds(weighted(function.lower));
   optimizer.set_upper_bounds(weighted(function.upper));
   optimizer.set_ftol_abs(function.tolerance);

@@ -17,7 +17,7 @@ using namespace wording;
 
 namespace {
 
-constexpr int most_rounds = 12, most_evaluations = 300;
+constexpr int most_rounds = 12, evaluations_of_search = 300;
 constexpr double settled = 0.01;        // gain of a round in ln p: a seventh of a sigma
 constexpr double tolerance = 1e-3;      // of ln p, within a round
 constexpr double largest_share = 0.1;   // refused, beyond which gates are left out of a round
@@ -39,7 +39,7 @@ std::vector<double> picked(const std::vector<double>& all, const std::vector<std
   return values;
 }
 
-Json shown(const Counts& counts) {
+Json counts_json(const Counts& counts) {
   return {{"samples", counts.samples},
           {"rows", counts.rows},
           {"refused", counts.refused},
@@ -47,7 +47,7 @@ Json shown(const Counts& counts) {
           {"recoveries", counts.recoveries}};
 }
 
-const char* word_of(Gates gates) {
+const char* gates_word(Gates gates) {
   return gates == Gates::off ? "off" : gates == Gates::frozen ? "frozen" : "as configured";
 }
 
@@ -388,7 +388,7 @@ void Search::judge_all(Found& found) {
   found.function.tolerance = plan_.objective == Objective::metric ? 0 : tolerance;
   found.curvature_step = 0.1;
   set_bounds(found.function, found);
-  const Minimum minimum = minimize(found.function, picked(found.u, found.free), most_evaluations);
+  const Minimum minimum = minimize(found.function, picked(found.u, found.free), evaluations_of_search);
   evaluations_ += minimum.evaluations;
   found.u = expanded(found.u, found.free, minimum.u);
   found.cost = minimum.value;
@@ -436,7 +436,7 @@ void Search::search(Found& found) {
     minimum.value = minimum.first - scored;
     if (scored < far_off) {
       const double first = minimum.first;
-      minimum = minimize(found.function, minimum.u, most_evaluations);
+      minimum = minimize(found.function, minimum.u, evaluations_of_search);
       minimum.first = first;
       evaluations_ += minimum.evaluations;
     }
@@ -445,8 +445,8 @@ void Search::search(Found& found) {
     Json entry = {{"evaluations", evaluations_ - before},
                   {"start", minimum.first},
                   {"end", minimum.value},
-                  {"gates", word_of(gates)}};
-    entry.update(shown(counts));
+                  {"gates", gates_word(gates)}};
+    entry.update(counts_json(counts));
     found.rounds.push_back(entry);
     options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) +
                       " evaluations, " + std::to_string(counts.rows) + " rows, ln likelihood + " +

@@ -15,6 +15,7 @@
 #include "judge.hpp"
 #include "runs.hpp"
 #include "search.hpp"
+#include "wording/short_number.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::tune {
@@ -29,13 +30,6 @@ constexpr double restart_reach = 2.302585092994046;  // a factor of 10
 
 enum class State { determined, undetermined, at_bound, without_effect };
 
-/// "12.3"
-std::string three_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 /// To six digits: what is more says nothing, and nobody reads it.
 double rounded(double value) {
   char text[32];
@@ -43,7 +37,7 @@ double rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
-const char* word_of(State state) {
+const char* state_word(State state) {
   switch (state) {
     case State::determined: return "determined";
     case State::undetermined: return "not determined";
@@ -232,7 +226,7 @@ class Tuner {
     }
     std::string text = listed(names);
     if (involved.size() > 1) text += ": together, in this direction,";
-    text += sigma < 5 ? " known no better than by a factor of " + three_digits(std::exp(sigma))
+    text += sigma < 5 ? " known no better than by a factor of " + wording::short_number(std::exp(sigma))
                       : ": the objective does not depend on it there, or still improves at the end of the range";
     Json entry = {{"direction", direction}, {"sigma", std::isfinite(sigma) ? Json(sigma) : Json()}, {"text", text}};
     if (involved.size() == 1) note_limit(involved.front(), entry);
@@ -275,7 +269,7 @@ class Tuner {
       const Place& place = parameter.place;
       Json entry = {{"name", place.name()},
                     {"start", shown_value(place, place.value)},
-                    {"state", word_of(states_[p])},
+                    {"state", state_word(states_[p])},
                     {"noise", is_of_noise(laws_[p])}};
       const bool is_returned = states_[p] == State::determined || states_[p] == State::at_bound;
       if (is_returned) entry["end"] = shown_value(place, parameter.value_of(found_.u[p]));

@@ -86,7 +86,7 @@ const PythonModel* object_under_test(const Composition& composition, const std::
   return found;
 }
 
-py::dict state_of(const PythonModel& model) {
+py::dict attributes_of(const PythonModel& model) {
   return py::module_::import("binnacle._models").attr("state_of")(model.object());
 }
 
@@ -96,12 +96,12 @@ void unchanged(conform::Trial& trial) {
   const auto subject = conform::fixture(trial, composition);
   const PythonModel* const model = object_under_test(*composition, trial.type);
   if (!model) conform::Trial::skip("its object was not found");
-  const auto before = in_python([&] { return Held(state_of(*model)); });
+  const auto before = in_python([&] { return Held(attributes_of(*model)); });
   auto memory = subject->fresh_memory();
   for (std::uint64_t k = 0; k < 5; ++k) subject->turn(k, memory.data(), testing::unwritten());
   const auto names = in_python([&] {
     return py::module_::import("binnacle._models")
-        .attr("changed")(before.get(), state_of(*model))
+        .attr("changed")(before.get(), attributes_of(*model))
         .cast<std::vector<std::string>>();
   });
   for (const auto& name : names)
@@ -122,7 +122,7 @@ std::vector<conform::Check> checks() {
   return all;
 }
 
-struct Outcome {
+struct CheckOutcome {
   std::string check, status, message;
 };
 
@@ -132,8 +132,8 @@ bool applies(const conform::Check& check, Role role) {
          !check.id.starts_with("speed.") && check.id != "life.leaks";
 }
 
-Outcome run(const conform::Check& check, conform::Trial& trial, Messages& messages) {
-  Outcome outcome{check.id, "pass", ""};
+CheckOutcome run(const conform::Check& check, conform::Trial& trial, Messages& messages) {
+  CheckOutcome outcome{check.id, "pass", ""};
   conform::attempt(
       check, trial, [&] { return messages.stage(); },
       [&](const conform::Skip& skip) {
@@ -147,9 +147,9 @@ Outcome run(const conform::Check& check, conform::Trial& trial, Messages& messag
 }
 
 /// Without the GIL, but between two checks.
-std::vector<Outcome> run_all(const std::string& type, Role role, int level, std::uint64_t seed,
-                             const LoadOptions& options) {
-  std::vector<Outcome> outcomes;
+std::vector<CheckOutcome> run_all(const std::string& type, Role role, int level, std::uint64_t seed,
+                                  const LoadOptions& options) {
+  std::vector<CheckOutcome> outcomes;
   std::set<std::string> failed;
   for (const auto& check : checks()) {
     if (check.level > level || !applies(check, role)) continue;

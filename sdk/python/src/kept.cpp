@@ -12,7 +12,7 @@ namespace binnacle::python {
 
 namespace {
 
-std::mutex mutex;
+std::mutex places_mutex;
 
 /// What is still held by whoever wants it, by number.
 std::map<std::int64_t, std::weak_ptr<KeptSamples>>& by_number() {
@@ -21,13 +21,13 @@ std::map<std::int64_t, std::weak_ptr<KeptSamples>>& by_number() {
 }
 
 std::shared_ptr<KeptSamples> find(std::int64_t number) {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(places_mutex);
   const auto found = by_number().find(number);
   return found == by_number().end() ? nullptr : found->second.lock();
 }
 
 std::int64_t put(const std::shared_ptr<KeptSamples>& samples) {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(places_mutex);
   static std::int64_t last = 0;
   std::erase_if(by_number(), [](const auto& item) { return item.second.expired(); });
   by_number()[++last] = samples;

@@ -139,11 +139,11 @@ void leave(const Notes& notes, const py::list& texts) {
 
 namespace {
 
-std::string shape_of(const Numbers& array) {
+std::string shape_of(const ReturnedNumbers& array) {
   return "of shape " + py::str(py::reinterpret_borrow<py::object>(array).attr("shape")).cast<std::string>();
 }
 
-[[noreturn]] void refuse(const std::string& what, const Numbers& found, const std::string& expected) {
+[[noreturn]] void refuse(const std::string& what, const ReturnedNumbers& found, const std::string& expected) {
   throw py::value_error(what + " is " + shape_of(found) + "; it takes " + expected);
 }
 
@@ -151,15 +151,15 @@ std::string pair_text(int rows, int cols) { return "(" + std::to_string(rows) + 
 
 }  // namespace
 
-Numbers numbers_of(const py::handle& value, const std::string& what) {
+ReturnedNumbers numbers_of(const py::handle& value, const std::string& what) {
   if (!value.is_none())
-    if (const Numbers array = Numbers::ensure(value)) return array;
+    if (const ReturnedNumbers array = ReturnedNumbers::ensure(value)) return array;
   PyErr_Clear();
   throw py::type_error(what + " is " + py::repr(value).cast<std::string>() + ", which is not an array of numbers");
 }
 
 void copy_vector(const py::handle& value, const std::string& what, int size, double* to) {
-  const Numbers array = numbers_of(value, what);
+  const ReturnedNumbers array = numbers_of(value, what);
   if (array.ndim() > 1 || array.size() != size || (array.ndim() == 0 && size != 1))
     refuse(what, array, "(" + std::to_string(size) + ",)");
   if (array.ndim() == 0)
@@ -169,7 +169,7 @@ void copy_vector(const py::handle& value, const std::string& what, int size, dou
 }
 
 void copy_matrix(const py::handle& value, const std::string& what, int rows, int cols, double* to, int stride) {
-  const Numbers array = numbers_of(value, what);
+  const ReturnedNumbers array = numbers_of(value, what);
   if (array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == cols) {
     const auto from = array.unchecked<2>();
     for (int j = 0; j < cols; ++j)
@@ -183,7 +183,7 @@ void copy_matrix(const py::handle& value, const std::string& what, int rows, int
 }
 
 void copy_covariance(const py::handle& value, const std::string& what, int size, double* to, int stride) {
-  const Numbers array = numbers_of(value, what);
+  const ReturnedNumbers array = numbers_of(value, what);
   if (array.ndim() == 2) return copy_matrix(array, what, size, size, to, stride);
   if (array.size() != size || (array.ndim() == 0 && size != 1))
     refuse(what, array, pair_text(size, size) + ", or the variances of its rows");

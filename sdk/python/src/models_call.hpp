@@ -81,8 +81,8 @@ std::optional<Result> refusal_of(const PythonNames& names, const py::object& ans
 void leave(const Notes& notes, const py::list& texts);
 
 /// What a model returned as numbers. `what` is how messages call it.
-using Numbers = py::array_t<double, py::array::forcecast>;
-Numbers numbers_of(const py::handle& value, const std::string& what);
+using ReturnedNumbers = py::array_t<double, py::array::forcecast>;
+ReturnedNumbers numbers_of(const py::handle& value, const std::string& what);
 /// `size` numbers; one number where size is 1.
 void copy_vector(const py::handle& value, const std::string& what, int size, double* to);
 /// rows × cols; a vector where one of both is 1, a number where both are.

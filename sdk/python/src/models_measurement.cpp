@@ -145,7 +145,7 @@ PythonMeasurement::Answer PythonMeasurement::ask(const MeasurementInput& in, con
     throw py::type_error("linearize gives " + py::repr(answer).cast<std::string>() +
                          "; it gives (residual, H, R), (residual, H, R, keys), or a refusal such as "
                          "binnacle.unsupported(\"why\")");
-  const Numbers residual = numbers_of(parts[0], "the residual");
+  const ReturnedNumbers residual = numbers_of(parts[0], "the residual");
   if (residual.ndim() > 1 || residual.size() > declaration_.max_rows)
     throw py::value_error("the residual is of shape " + py::str(residual.attr("shape")).cast<std::string>() +
                           "; the model declares at most " + std::to_string(declaration_.max_rows) + " rows");

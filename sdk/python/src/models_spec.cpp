@@ -97,7 +97,7 @@ void bind_ports_and_fields(py::module_& module) {
 
 // ---- parameters
 
-py::object to_python(const ParameterValue& value, const ParameterSpec& spec) {
+py::object python_value(const ParameterValue& value, const ParameterSpec& spec) {
   switch (spec.type) {
     case ParameterType::number: return py::float_(value.number);
     case ParameterType::integer: return py::int_(value.integer);
@@ -111,12 +111,12 @@ py::object to_python(const ParameterValue& value, const ParameterSpec& spec) {
     case ParameterType::matrix: return sealed(copy_of(value.numbers.data(), value.rows, value.cols, value.rows));
     case ParameterType::list: {
       py::list list;
-      for (const auto& element : value.elements) list.append(to_python(element, spec.members.at(0)));
+      for (const auto& element : value.elements) list.append(python_value(element, spec.members.at(0)));
       return list;
     }
     case ParameterType::map: {
       py::dict dict;
-      for (const auto& [key, element] : value.members) dict[py::str(key)] = to_python(element, spec.members.at(0));
+      for (const auto& [key, element] : value.members) dict[py::str(key)] = python_value(element, spec.members.at(0));
       return dict;
     }
     case ParameterType::object: return binnacle::python::to_python(Parameters(value), spec.members);
@@ -155,7 +155,7 @@ ParameterValue value_of(const Parameters& parameters, const ParameterSpec& spec)
 py::dict to_python(const Parameters& parameters, const std::vector<ParameterSpec>& specs) {
   py::dict dict;
   for (const auto& spec : specs)
-    if (parameters.has(spec.name)) dict[py::str(spec.name)] = to_python(value_of(parameters, spec), spec);
+    if (parameters.has(spec.name)) dict[py::str(spec.name)] = python_value(value_of(parameters, spec), spec);
   return dict;
 }
 

@@ -88,7 +88,7 @@ void PythonTransform::write_fields(const py::dict& fields, const ChannelDeclarat
       copy_vector(value, "field '" + field.name + "'", 1, writer.fields + index);
       continue;
     }
-    const Numbers column = numbers_of(value, "field '" + field.name + "'");
+    const ReturnedNumbers column = numbers_of(value, "field '" + field.name + "'");
     const auto rows = static_cast<int>(column.size());
     if (column.ndim() != 1 || rows > writer.max_rows || (writer.rows >= 0 && rows != writer.rows))
       throw py::value_error("field '" + field.name + "' is of shape " +

@@ -141,7 +141,7 @@ py::dict run_of(results::RunResults&& run) {
 }
 
 /// (run, study): each None where the folder has none.
-py::tuple open(const std::string& folder) {
+py::tuple open_results(const std::string& folder) {
   results::Results all;
   {
     const py::gil_scoped_release unlocked;
@@ -161,7 +161,7 @@ py::tuple open(const std::string& folder) {
 }  // namespace
 
 void bind_results(py::module_& module) {
-  module.def("open", &open, py::arg("folder"));
+  module.def("open", &open_results, py::arg("folder"));
   module.attr("outcomes") = py::tuple(py::cast(results::outcome_names));
 }
 

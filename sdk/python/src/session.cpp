@@ -30,7 +30,7 @@ void check_run(int run) {
   if (run < 0) throw py::value_error("run is " + std::to_string(run) + "; runs count from 0");
 }
 
-Handle open(const Loaded& loaded, std::uint64_t seed, int run, const std::string& estimates) {
+Handle session_of(const Loaded& loaded, std::uint64_t seed, int run, const std::string& estimates) {
   check_run(run);
   return std::make_shared<OpenSession>(loaded.composed(), seed, run, estimates_of(estimates));
 }
@@ -255,7 +255,7 @@ void bind_reading(Class& session) {
 
 void bind_session(py::module_& module) {
   py::class_<OpenSession, Handle> session(module, "Session");
-  session.def(py::init(&open), py::arg("loaded"), py::arg("seed"), py::arg("run"), py::arg("estimates"))
+  session.def(py::init(&session_of), py::arg("loaded"), py::arg("seed"), py::arg("run"), py::arg("estimates"))
       .def("_channel",
            [](const Handle& open, const std::string& name) {
              return Channel{open, open->channel(name)};

@@ -11,7 +11,7 @@ namespace binnacle::python {
 
 namespace {
 
-py::dict taken(std::vector<Ragged>& all, const std::vector<const char*>& names) {
+py::dict lists_of(std::vector<Ragged>& all, const std::vector<const char*>& names) {
   py::dict dict;
   for (std::size_t i = 0; i < all.size(); ++i)
     dict[names[i]] = py::make_tuple(to_array(std::move(all[i].numbers)), to_array(std::move(all[i].ends)));
@@ -138,10 +138,10 @@ py::dict StepLog::taken() {
   dict["rows"] = to_array(std::move(rows_));
   dict["nis"] = to_array(std::move(nis_));
   dict["opened_by"] = to_array(std::move(opened_by_));
-  dict["starts"] = python::taken(starts_, {"x", "P"});
-  dict["steps"] = python::taken(steps_, names_of(step_fields()));
-  dict["updates"] = python::taken(updates_, names_of(update_fields()));
-  dict["inflations"] = python::taken(inflations_, names_of(inflation_fields()));
+  dict["starts"] = lists_of(starts_, {"x", "P"});
+  dict["steps"] = lists_of(steps_, names_of(step_fields()));
+  dict["updates"] = lists_of(updates_, names_of(update_fields()));
+  dict["inflations"] = lists_of(inflations_, names_of(inflation_fields()));
   return dict;
 }
 
