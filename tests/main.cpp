@@ -4,8 +4,10 @@
 #define CATCH_CONFIG_RUNNER
 #endif
 #include <cstdio>
+#include <sstream>
 
 #include "catch.hpp"
+#include "junit.hpp"
 #include "skip.hpp"
 
 namespace {
@@ -14,19 +16,42 @@ bool is_skipped = false;  // the running test
 int ran = 0, skipped = 0;
 bool has_failed = false;
 
+binnacle::test::JUnit& junit() {
+  static binnacle::test::JUnit only;
+  return only;
+}
+
 #if __has_include(<catch2/catch_all.hpp>)
 using Events = Catch::EventListenerBase;
+using Noted = void;
 #else
 using Events = Catch::TestEventListenerBase;
+using Noted = bool;  // whether messages may be forgotten
 #endif
 
 struct Counter : Events {
   using Events::Events;
-  void testCaseStarting(const Catch::TestCaseInfo&) override { is_skipped = false; }
+  void testCaseStarting(const Catch::TestCaseInfo& test) override {
+    is_skipped = false;
+    junit().begin(test.name);
+  }
+  Noted assertionEnded(const Catch::AssertionStats& stats) override {
+    const Catch::AssertionResult& result = stats.assertionResult;
+    if (!result.isOk()) {
+      std::ostringstream text;
+      text << result.getSourceInfo() << ": ";
+      if (result.hasExpression()) text << result.getExpression() << " with " << result.getExpandedExpression();
+      text << ' ' << result.getMessage();
+      for (const auto& info : stats.infoMessages) text << '\n' << info.message;
+      junit().failure(text.str());
+    }
+    return Noted(true);
+  }
   void testCaseEnded(const Catch::TestCaseStats& stats) override {
     ++ran;
     if (is_skipped) ++skipped;
     if (stats.totals.assertions.failed > 0) has_failed = true;
+    junit().end();
   }
 };
 CATCH_REGISTER_LISTENER(Counter)
@@ -35,6 +60,7 @@ CATCH_REGISTER_LISTENER(Counter)
 
 void binnacle::test::skip(const std::string& reason) {
   is_skipped = true;
+  junit().skipped(reason);
   std::printf("SKIPPED: %s\n", reason.c_str());
   std::fflush(stdout);
 #ifdef SKIP
@@ -48,6 +74,8 @@ int main(int count, char* arguments[]) {
   // The result is the number of failed checks under v2, and 4 where all were skipped under v3: neither may be taken for
   // the other.
   const int result = session.run();
+  junit().close();
+  if (skipped > 0) std::printf("%d of %d test cases were skipped\n", skipped, ran);
   if (ran > 0 && skipped == ran && !has_failed) return binnacle::test::exit_skipped;
   return result == 0 ? 0 : 1;
 }
