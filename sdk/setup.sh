@@ -99,7 +99,7 @@ ninja_targets() {
 
 configure() { (cd -- "$binnacle_root" && cmake --preset "$binnacle_preset" "$@"); }
 
-# Targets that the last configuration left out because packages were missing then; one a line (sdk/cmake/BinnacleLeftOut.cmake).
+# Targets that the last configuration left out because packages were missing then; one a line (sdk/cmake/BinnacleLacking.cmake).
 left_out() { cat "$binnacle_build/left_out.txt" 2>/dev/null; }
 
 # knows TARGET: the build folder is configured and has it.

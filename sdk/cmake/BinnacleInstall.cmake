@@ -14,12 +14,9 @@ set(package_folder lib/cmake/Binnacle)
 
 install(TARGETS binnacle EXPORT BinnacleTargets RUNTIME DESTINATION bin COMPONENT runtime)
 # sdk/run builds no suite: it is installed where it was built, and missed aloud where not.
-get_property(left_out GLOBAL PROPERTY BINNACLE_LEFT_OUT)
-if(NOT "binnacle-conform" IN_LIST left_out)
-  install(TARGETS binnacle-conform RUNTIME DESTINATION bin COMPONENT runtime OPTIONAL)
-endif()
+install(TARGETS binnacle-conform RUNTIME DESTINATION bin COMPONENT runtime OPTIONAL)
 install(CODE "
-  if(NOT EXISTS \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/binnacle-conform\")
+  if(NOT EXISTS \"$<TARGET_FILE:binnacle-conform>\")
     message(STATUS \"Left out, since it is not built: binnacle-conform, which `binnacle conform` needs \"
       \"(cmake --build ${PROJECT_BINARY_DIR} --target binnacle-conform)\")
   endif()" COMPONENT runtime)

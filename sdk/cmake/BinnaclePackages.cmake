@@ -56,7 +56,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "binnacle (${this_version}), libeigen3-dev"
 # Only an embedding program needs these.
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "nlohmann-json3-dev, libboost-dev, libboost-filesystem-dev")
 
-if(TARGET binnacle_mpi AND NOT "binnacle_mpi" IN_LIST left_out)
+if(TARGET binnacle_mpi)
   list(APPEND CPACK_COMPONENTS_ALL mpi)
   set(CPACK_DEBIAN_MPI_DESCRIPTION "error-state Kalman filters for INS/GNSS - studies under MPI
 ${what_it_is}This package lets 'binnacle study' run under mpirun, on several machines.")
