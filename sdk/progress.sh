@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # How far a build is, and about how long it will still take; sourced by setup.sh.
-# A step weighs what sdk/build_costs.txt says of its path or of the nearest folder above it; what is not there weighs 1.
+# A step weighs what sdk/build_costs.txt says of its path or of the nearest folder above it; a source that is not there is as
+# dear as the mean.
 
-: "${binnacle_root:?}" "${binnacle_build:?}"
+: "${binnacle_root:?}" "${binnacle_build:?}" "${binnacle_jobs:?}"
 declare -A binnacle_costs=()
 read_costs() {
   local cost path
@@ -17,7 +18,7 @@ weigh() {
   local path=${1##* }
   weight=1
   case $1 in
-    *" Building "*) ;;
+    *" Building "*) weight=${binnacle_costs[.]:-1} ;;
     *" Linking "*) path=link/$path ;;
     *) path=other/$path ;;
   esac
@@ -31,16 +32,23 @@ weigh() {
 }
 
 in_words() {
-  if [ "$1" -lt 90 ]; then printf '%d s' $((($1 + 4) / 5 * 5)); else printf '%d min' $((($1 + 30) / 60)); fi
+  if [ "$1" -lt 180 ]; then printf '%d s' $((($1 < 10 ? 10 : $1 + 5) / 10 * 10)); else printf '%d min' $((($1 + 30) / 60)); fi
 }
 
 # show_state: of a build, from the variables of show_progress.
 show_state() {
-  local elapsed=$((SECONDS - begin)) words
+  local words left=$((all_weight - done_weight)) steps_left=$((steps - done_steps)) others mean under_way seconds least
   words="building: $done_steps of $steps steps, $((100 * done_weight / all_weight)) %"
   # Before a tenth is done, the time left is a guess.
-  if [ $((10 * done_weight)) -ge "$all_weight" ]; then
-    words+=", about $(in_words $((elapsed * (all_weight - done_weight) / done_weight))) left"
+  if [ $((10 * done_weight)) -ge "$all_weight" ] && [ "$steps_left" -gt 0 ]; then
+    # When the last step ended, each other job was in the middle of a step.
+    others=$((binnacle_jobs < steps_left ? binnacle_jobs - 1 : steps_left - 1))
+    mean=$((left / steps_left)) under_way=$((others * mean / 2))
+    [ "$under_way" -lt "$left" ] || under_way=0
+    seconds=$((last * (left - under_way) / (done_weight + under_way) - (SECONDS - begin - last)))
+    # A step that takes longer than expected leaves what comes after it.
+    least=$((last * (left - under_way - mean * 6 / 10) / (done_weight + under_way)))
+    words+=", about $(in_words $((seconds > least ? seconds : least))) left"
   fi
   if [ -t 2 ]; then printf '\r\033[Kbinnacle: %s' "$words" >&2; else say "$words"; fi
 }
@@ -49,7 +57,7 @@ show_state() {
 # terminal; elsewhere a line every binnacle_every (20) seconds.
 show_progress() {
   local line partial='' weight begin=$SECONDS shown=$SECONDS every=${binnacle_every:-20} status
-  local steps=0 done_steps=0 all_weight=0 done_weight=0
+  local steps=0 done_steps=0 all_weight=0 done_weight=0 last=0  # the second at which a step ended last
   read_costs
   while IFS= read -r line; do
     case $line in \[*/*\]\ *) weigh "$line" && all_weight=$((all_weight + weight)) steps=$((steps + 1)) ;; esac
@@ -64,7 +72,7 @@ show_progress() {
       case $partial in
         \[*/*\]\ *)
           weigh "$partial"
-          done_weight=$((done_weight + weight)) done_steps=$((done_steps + 1))
+          done_weight=$((done_weight + weight)) done_steps=$((done_steps + 1)) last=$((SECONDS - begin))
           # A step that was not foreseen, by a tool that writes what others depend on.
           [ "$done_weight" -le "$all_weight" ] || all_weight=$done_weight
           [ "$done_steps" -le "$steps" ] || steps=$done_steps
