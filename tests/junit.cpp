@@ -27,9 +27,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-double wall_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double processor_s_of(int whose) {
   rusage usage{};
@@ -82,10 +80,12 @@ void JUnit::skipped(const std::string& reason) { skipped_ = reason; }
 
 void JUnit::end() {
   if (!file_) return;
-  std::fprintf(file_, "<testcase name=\"%s\" time=\"%.3f\" processor=\"%.3f\">", escaped(name_).c_str(), wall_s() - wall_s_,
-               processor_s() - processor_s_);
-  for (const std::string& failure : failures_) std::fprintf(file_, "\n<failure message=\"%s\"/>", escaped(failure).c_str());
-  if (failures_.empty() && !skipped_.empty()) std::fprintf(file_, "\n<skipped message=\"%s\"/>", escaped(skipped_).c_str());
+  std::fprintf(file_, "<testcase name=\"%s\" time=\"%.3f\" processor=\"%.3f\">", escaped(name_).c_str(),
+               wall_s() - wall_s_, processor_s() - processor_s_);
+  for (const std::string& failure : failures_)
+    std::fprintf(file_, "\n<failure message=\"%s\"/>", escaped(failure).c_str());
+  if (failures_.empty() && !skipped_.empty())
+    std::fprintf(file_, "\n<skipped message=\"%s\"/>", escaped(skipped_).c_str());
   std::fputs("</testcase>\n", file_);
   std::fflush(file_);
 }
