@@ -3,8 +3,14 @@
 #if !__has_include(<catch2/catch_all.hpp>)
 #define CATCH_CONFIG_RUNNER
 #endif
+#include <unistd.h>
+
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "catch.hpp"
 #include "junit.hpp"
@@ -21,6 +27,38 @@ binnacle::test::JUnit& junit() {
   return only;
 }
 
+/// The environment and the working folder that the process began with; each case begins with them.
+class Surroundings {
+ public:
+  void restore() const {
+    if (variables() != variables_) {
+      ::clearenv();
+      for (const std::string& variable : variables_) {
+        const std::size_t equals = variable.find('=');
+        ::setenv(variable.substr(0, equals).c_str(), variable.c_str() + equals + 1, 1);
+      }
+    }
+    std::error_code error;  // a folder that is gone
+    if (std::filesystem::current_path(error) != folder_) std::filesystem::current_path(folder_, error);
+  }
+
+ private:
+  static std::vector<std::string> variables() {
+    std::vector<std::string> all;
+    for (char** variable = environ; variable && *variable; ++variable)
+      if (std::string(*variable).find('=') != std::string::npos) all.emplace_back(*variable);
+    return all;
+  }
+
+  std::vector<std::string> variables_ = variables();
+  std::filesystem::path folder_ = std::filesystem::current_path();
+};
+
+const Surroundings& surroundings() {
+  static const Surroundings at_begin;
+  return at_begin;
+}
+
 #if __has_include(<catch2/catch_all.hpp>)
 using Events = Catch::EventListenerBase;
 using Noted = void;
@@ -33,6 +71,7 @@ struct Counter : Events {
   using Events::Events;
   void testCaseStarting(const Catch::TestCaseInfo& test) override {
     is_skipped = false;
+    surroundings().restore();
     junit().begin(test.name);
   }
   Noted assertionEnded(const Catch::AssertionStats& stats) override {
@@ -69,6 +108,8 @@ void binnacle::test::skip(const std::string& reason) {
 }
 
 int main(int count, char* arguments[]) {
+  junit();  // takes its variable out of the environment
+  surroundings();
   Catch::Session session;
   if (const int usage = session.applyCommandLine(count, arguments); usage != 0) return 1;
   // The result is the number of failed checks under v2, and 4 where all were skipped under v3: neither may be taken for

@@ -51,6 +51,6 @@ shows "" none "***Failed"
 
 # The file has each case with its time, what failed with its place.
 BINNACLE_SAMPLE=77 BINNACLE_JUNIT=$scratch/sample.xml "$sample" >/dev/null && fail "77 failed checks are no failure"
-[ "$(grep -c '^<testcase name=".*" time="[0-9.]*" processor="[0-9.]*">' "$scratch/sample.xml")" = 3 ] || fail "not three cases in the file"
+[ "$(grep -c '^<testcase name=".*" time="[0-9.]*" processor="[0-9.]*">' "$scratch/sample.xml")" = 5 ] || fail "not five cases in the file"
 grep -q '^<failure message=".*sample[.]cpp:[0-9]*: ' "$scratch/sample.xml" || fail "a failure without its place"
 [ "$(tail -n 1 "$scratch/sample.xml")" = "</testsuite>" ] || fail "the file has no end"
