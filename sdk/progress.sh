@@ -35,20 +35,54 @@ in_words() {
   if [ "$1" -lt 180 ]; then printf '%d s' $((($1 < 10 ? 10 : $1 + 5) / 10 * 10)); else printf '%d min' $((($1 + 30) / 60)); fi
 }
 
+# take_running: the steps that are under way are taken to be the first of the plan that have not ended, as many as there are jobs.
+take_running() {
+  local step
+  while [ "$first" -lt "$steps" ] && [ -n "${ended[$first]:-}" ]; do first=$((first + 1)); done
+  running=()
+  for ((step = first; step < steps && ${#running[@]} < binnacle_jobs; ++step)); do
+    if [ -z "${ended[$step]:-}" ]; then
+      running+=("$step")
+      started[step]=${started[$step]:-$last}
+    fi
+  done
+}
+
+# time_left: sets seconds, by handing out the steps that are left to the jobs in turn, at the speed of those that have ended.
+time_left() {
+  local now=$((SECONDS - begin)) speed effective step job least part free=()
+  speed=$((1000 * done_weight / (binnacle_jobs * last)))  # of a job, in thousandths of weight a second
+  for _ in 1 2; do  # the second with the speed that the first found
+    effective=$((1000 * done_weight))
+    for step in "${running[@]}"; do
+      part=$(((last - started[step]) * speed)) least=$((900 * weights[step]))
+      effective=$((effective + (part < least ? part : least)))
+    done
+    speed=$((effective / (binnacle_jobs * last)))
+    [ "$speed" -gt 0 ] || speed=1
+  done
+  for step in "${running[@]}"; do
+    part=$((1000 * weights[step] / speed - now + started[step])) least=$((100 * weights[step] / speed))
+    free+=($((part > least ? part : least)))
+  done
+  for ((step = running[-1] + 1; step < steps; ++step)); do
+    [ -z "${ended[$step]:-}" ] || continue
+    job=0
+    for ((part = 1; part < ${#free[@]}; ++part)); do [ "${free[$part]}" -ge "${free[$job]}" ] || job=$part; done
+    free[job]=$((free[job] + 1000 * weights[step] / speed))
+  done
+  seconds=0
+  for part in "${free[@]}"; do [ "$part" -le "$seconds" ] || seconds=$part; done
+}
+
 # show_state: of a build, from the variables of show_progress.
 show_state() {
-  local words left=$((all_weight - done_weight)) steps_left=$((steps - done_steps)) others mean under_way seconds least
+  local words seconds
   words="building: $done_steps of $steps steps, $((100 * done_weight / all_weight)) %"
   # Before a tenth is done, the time left is a guess.
-  if [ $((10 * done_weight)) -ge "$all_weight" ] && [ "$steps_left" -gt 0 ]; then
-    # When the last step ended, each other job was in the middle of a step.
-    others=$((binnacle_jobs < steps_left ? binnacle_jobs - 1 : steps_left - 1))
-    mean=$((left / steps_left)) under_way=$((others * mean / 2))
-    [ "$under_way" -lt "$left" ] || under_way=0
-    seconds=$((last * (left - under_way) / (done_weight + under_way) - (SECONDS - begin - last)))
-    # A step that takes longer than expected leaves what comes after it.
-    least=$((last * (left - under_way - mean * 6 / 10) / (done_weight + under_way)))
-    words+=", about $(in_words $((seconds > least ? seconds : least))) left"
+  if [ $((10 * done_weight)) -ge "$all_weight" ] && [ "$last" -gt 0 ] && [ ${#running[@]} -gt 0 ]; then
+    time_left
+    words+=", about $(in_words "$seconds") left"
   fi
   if [ -t 2 ]; then printf '\r\033[Kbinnacle: %s' "$words" >&2; else say "$words"; fi
 }
@@ -56,28 +90,34 @@ show_state() {
 # show_progress PLAN: reads ninja's lines. PLAN is a file with the lines of `ninja -n`. One line that rewrites itself on a
 # terminal; elsewhere a line every binnacle_every (20) seconds.
 show_progress() {
-  local line partial='' weight begin=$SECONDS shown=$SECONDS every=${binnacle_every:-20} status
-  local steps=0 done_steps=0 all_weight=0 done_weight=0 last=0  # the second at which a step ended last
+  local line partial='' weight step begin=$SECONDS shown=$SECONDS every=${binnacle_every:-20} status
+  local steps=0 done_steps=0 all_weight=0 done_weight=0 first=0 last=0  # the second at which a step ended last
+  local -a weights=() ended=() started=() running=()
+  local -A number=()
   read_costs
   while IFS= read -r line; do
-    case $line in \[*/*\]\ *) weigh "$line" && all_weight=$((all_weight + weight)) steps=$((steps + 1)) ;; esac
+    case $line in
+      \[*/*\]\ ?*)
+        weigh "$line"
+        weights[steps]=$weight number[${line#*\] }]=$steps
+        all_weight=$((all_weight + weight)) steps=$((steps + 1))
+        ;;
+    esac
   done <"$1"
-  [ "$all_weight" -gt 0 ] || all_weight=1
   [ "$steps" = 0 ] || say "building $steps steps (log: ${binnacle_build#"$PWD"/}/build.log)"
+  take_running
   [ ! -t 2 ] || every=1
   while true; do
     IFS= read -r -t 1 line && status=0 || status=$?
     partial+=$line
     if [ "$status" = 0 ]; then
-      case $partial in
-        \[*/*\]\ *)
-          weigh "$partial"
-          done_weight=$((done_weight + weight)) done_steps=$((done_steps + 1)) last=$((SECONDS - begin))
-          # A step that was not foreseen, by a tool that writes what others depend on.
-          [ "$done_weight" -le "$all_weight" ] || all_weight=$done_weight
-          [ "$done_steps" -le "$steps" ] || steps=$done_steps
-          ;;
-      esac
+      step=''
+      case $partial in \[*/*\]\ ?*) step=${number[${partial#*\] }]:-} ;; esac
+      if [ -n "$step" ] && [ -z "${ended[$step]:-}" ]; then
+        ended[step]=1 last=$((SECONDS - begin))
+        done_weight=$((done_weight + weights[step])) done_steps=$((done_steps + 1))
+        take_running
+      fi
       partial=''
     elif [ "$status" -le 128 ]; then
       break
