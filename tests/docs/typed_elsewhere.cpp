@@ -6,7 +6,7 @@ namespace binnacle::test {
 const std::vector<TypedElsewhere>& typed_elsewhere() {
   static const std::vector<TypedElsewhere> all{
       // What builds, tests, installs and packs.
-      {R"(tests/run\b)", "CONTRIBUTING.md", "CI is `CI=true tests/run`"},
+      {R"(tests/run\b)", "CONTRIBUTING.md", "CI is `.ci/run`: `tests/run`"},
       {R"(sdk/run\b)", "tests/docs/first_command.sh", "sdk/run configs/quickstart.json"},
       {R"((cmake|cmake --build) )", "tests/package/consume.sh", "\"$cmake\" --build"},
       {R"(ninja )", "sdk/setup.sh", "ninja -C \"$binnacle_build\""},
@@ -25,7 +25,7 @@ const std::vector<TypedElsewhere>& typed_elsewhere() {
       {R"(binnacle run config\.json)", "tests/package/consume.sh", "run_config"},
       {R"(cd battery && binnacle run battery\.json)", "tests/package/examples.sh", "for example in battery"},
       // Tests with a command of their own.
-      {R"(build/release/bin/[a-z]+_tests ")", "tests/CMakeLists.txt", "catch_discover_tests"},
+      {R"(build/release/bin/[a-z]+_tests ")", "tests/tiers.cmake", "binnacle_add_catch_test"},
       {R"(configs/benchmarks/run\b)", "tests/docs/benchmarks_test.py", "test_its_commands_are_understood"},
       {R"(tests/faults_matrix/run\b)", "tests/faults_matrix/CMakeLists.txt", "/run\" --study"},
       {R"(tests/faults_matrix/outliers\b)", "tests/faults_matrix/CMakeLists.txt", "/outliers\""},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests that end as BINNACLE_SAMPLE says; without it they pass.
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include "catch.hpp"
@@ -16,6 +17,7 @@ bool is_asked_for(const std::string& what) {
 }  // namespace
 
 TEST_CASE("one that skips") {
+  CHECK(std::getenv("BINNACLE_SAMPLE_LEFT") == nullptr);
   if (is_asked_for("skip")) return binnacle::test::skip("as BINNACLE_SAMPLE asked");
   CHECK_FALSE(is_asked_for("fail"));
 }
@@ -28,4 +30,17 @@ TEST_CASE("one that fails, then skips") {
 
 TEST_CASE("one that fails as often as 77") {
   for (int check = 0; check < 77; ++check) CHECK_FALSE(is_asked_for("77"));
+}
+
+// Each case begins with the environment and the working folder of the process, however often and in which order they run.
+TEST_CASE("one that leaves something behind") {
+  CHECK(std::getenv("BINNACLE_SAMPLE_LEFT") == nullptr);
+  CHECK(std::filesystem::current_path() != "/");
+  ::setenv("BINNACLE_SAMPLE_LEFT", "1", 1);
+  std::filesystem::current_path("/");
+}
+
+TEST_CASE("one that would find it") {
+  CHECK(std::getenv("BINNACLE_SAMPLE_LEFT") == nullptr);
+  CHECK(std::filesystem::current_path() != "/");
 }

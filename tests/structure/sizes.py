@@ -4,6 +4,7 @@
 
 sizes.py ROOT                what is longer than a function or a file may be; exit status 1 if there is one
 sizes.py ROOT --kernel MOST  the kernel's lines of .hpp and .cpp against the most that it may have
+sizes.py ROOT --cpp MOST     code lines (neither blank nor comment) of all C++ outside tests against the most that there may be
 
 A function is counted from the first line of its head to its last brace, a lambda with the function that it stands in.
 """
@@ -158,12 +159,29 @@ def kernel_lines(root):
     return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
 
 
+def code_lines(root):
+    """{folder: lines of C++ that are neither blank nor comment}, without tests."""
+    lines = {}
+    for path in own_files(root):
+        folder = path.relative_to(root).parts[0]
+        if path.suffix in CPP and folder != "tests":
+            code = CPP_TOKENS.sub(lambda match: blanked(match.group()) if match.group().startswith(("//", "/*")) else match.group(),
+                                  path.read_text(encoding="utf-8"))
+            lines[folder] = lines.get(folder, 0) + sum(bool(line.strip()) for line in code.splitlines())
+    return lines
+
+
 def main(arguments):
     root = pathlib.Path(arguments[0])
     if arguments[1:2] == ["--kernel"]:
         count, most = kernel_lines(root), int(arguments[2])
         print(f"kernel: {count} lines of .hpp and .cpp; it may have {most}")
         return 0 if 0 < count <= most else 1
+    if arguments[1:2] == ["--cpp"]:
+        lines, most = code_lines(root), int(arguments[2])
+        folders = ", ".join(f"{folder} {count}" for folder, count in sorted(lines.items()))
+        print(f"C++ outside tests: {sum(lines.values())} code lines ({folders}); there may be {most}")
+        return 0 if 0 < sum(lines.values()) <= most else 1
     found = too_long(root)
     for entry, count in found.items():
         print(f"{entry}: {count} lines")

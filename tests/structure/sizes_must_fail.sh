@@ -38,3 +38,9 @@ found=$(python3 "$sizes" "$tree") || status=$?
 diff <(echo "$expected") <(echo "$found")
 python3 "$sizes" "$tree" --kernel 1000
 if python3 "$sizes" "$tree" --kernel 100; then exit 1; fi
+
+# cpp.cpp has 166 lines that are code, file.hpp none, and tests do not count.
+mkdir "$tree/tests"
+cp "$tree/kernel/src/cpp.cpp" "$tree/tests"
+python3 "$sizes" "$tree" --cpp 166
+if python3 "$sizes" "$tree" --cpp 165; then exit 1; fi
