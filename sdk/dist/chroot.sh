@@ -42,7 +42,7 @@ in_chroot() {
       mount --bind "${2%%:*}" "$folder${2#*:}"
       shift 2
     done
-    exec chroot "$folder" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+    exec chroot "$folder" env -i HOME=/opt/home PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
       LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} "$@"' in_chroot "$@"
 }
 
@@ -97,7 +97,7 @@ chroot_new() {
   tarball=$(chroot_base "$@") || return 1
   folder=$(mktemp -d "$chroot_kept/$1-used.XXXXXX")
   chmod 755 "$folder"
-  tar -C "$folder" --numeric-owner -xpf "$tarball" || return 1
+  tar -C "$folder" --numeric-owner -xpf "$tarball" && mkdir -p "$folder/opt/home" || return 1
   echo "$folder"
 }
 

@@ -37,7 +37,7 @@ mkdir "$folder/packed"
 cp "$packed"/binnacle*.* "$packed"/python3-binnacle*.deb "$folder/packed/" 2>/dev/null || true
 
 # do_in COMMAND…: its output goes to the log.
-do_in() { in_chroot "$folder" --bind "$folder/packed:/packed" env -C /root PATH="${path:-}/usr/sbin:/usr/bin:/sbin:/bin" "$@" >"$log" 2>&1; }
+do_in() { in_chroot "$folder" --bind "$folder/packed:/packed" env -C /opt/home PATH="${path:-}/usr/sbin:/usr/bin:/sbin:/bin" "$@" >"$log" 2>&1; }
 # Kilobytes on disk, without the lists of packages and what apt has fetched: apt-get clean removes that.
 size_kb() { du -sxk --exclude="$folder/packed" --exclude="$folder/var/lib/apt/lists" --exclude="$folder/var/cache/apt" "$folder" | cut -f1; }
 
@@ -47,11 +47,11 @@ install_deb() { do_in apt-get -q install -y --no-install-recommends "/packed/${f
 install_tarball() {
   do_in tar -C /opt -xzf "/packed/${files[0]##*/}" && do_in mv "/opt/$(basename "${files[0]}" .tar.gz)" /opt/moved
 }
-install_wheel() { do_in sh -c "python3 -m venv --system-site-packages /root/venv && /root/venv/bin/pip install --no-index /packed/${files[0]##*/}"; }
+install_wheel() { do_in sh -c "python3 -m venv --system-site-packages /opt/home/venv && /opt/home/venv/bin/pip install --no-index /packed/${files[0]##*/}"; }
 case $kind in
   deb) prefix=/usr path='' && do_in apt-get -q update ;;
   tarball) prefix=/opt/moved path=$prefix/bin: ;;
-  wheel) prefix='' path=/root/venv/bin: ;;
+  wheel) prefix='' path=/opt/home/venv/bin: ;;
 esac || fail "apt-get update"
 
 size=$(size_kb) begin=$(date +%s.%N)
@@ -71,7 +71,7 @@ awk -v a="$grown" -v b="$limit_mb" 'BEGIN { exit a > b }' || fail "it takes $gro
 
 # ---- what else a user does first
 
-do_in binnacle new plugin my_range && [ -s "$folder/root/my_range/plugin.cpp" ] || fail "new plugin"
+do_in binnacle new plugin my_range && [ -s "$folder/opt/home/my_range/plugin.cpp" ] || fail "new plugin"
 [ "$kind" = deb ] || do_in test -e "$prefix/lib/cmake/Binnacle/BinnacleConfig.cmake" || fail "nothing to build a plugin with"
 do_in binnacle conform "$prefix/lib/binnacle/gnss_fix.so" --level 2 || fail "conform"
 
@@ -83,14 +83,14 @@ grep -q 'binnacle run \[OPTION\]... CONFIG' "$log" || fail "man binnacle-run sho
 
 if [ "$kind" = deb ]; then
   # Without NetCDF the command names the package that is missing; with what is recommended it writes.
-  ! do_in binnacle run "$quickstart" --out /root/out || fail "results were written without NetCDF"
+  ! do_in binnacle run "$quickstart" --out /opt/home/out || fail "results were written without NetCDF"
   package=$(sed -n 's/.*install the Debian package \([a-z0-9]*\).*/\1/p' "$log" | head -n 1)
   [ -n "$package" ] || fail "nothing names the package of NetCDF"
   do_in apt-get -q install -y --no-install-recommends "$package" || fail "$package does not install"
   echo "$kind on $suite: with $package $(awk -v a="$size" -v b="$(size_kb)" 'BEGIN { printf "%.1f", (b - a) * 1024 / 1e6 }') MB, man-db included"
 fi
-do_in binnacle run "$quickstart" --out /root/out && [ -s "$folder/root/out/run.nc" ] || fail "run --out"
-do_in binnacle report /root/out || fail "report of results"
+do_in binnacle run "$quickstart" --out /opt/home/out && [ -s "$folder/opt/home/out/run.nc" ] || fail "run --out"
+do_in binnacle report /opt/home/out || fail "report of results"
 
 case $kind in
   deb)
