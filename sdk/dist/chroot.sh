@@ -51,7 +51,7 @@ chroot_install() {
   local folder=$1
   shift
   in_chroot "$folder" apt-get -q -o Acquire::Retries=3 update &&
-    in_chroot "$folder" apt-get -q -o Acquire::Retries=3 install -y --no-install-recommends "$@" &&
+    in_chroot "$folder" apt-get -q -o Acquire::Retries=3 -o Dpkg::Options::=--force-unsafe-io install -y --no-install-recommends "$@" &&
     in_chroot "$folder" apt-get clean
 }
 
