@@ -12,7 +12,7 @@ namespace binnacle::stream {
 
 namespace {
 
-std::string quoted(const std::string& name) {
+std::string json_string(const std::string& name) {
   static constexpr char hex[] = "0123456789abcdef";
   std::string text = "\"";
   for (const char c : name) {
@@ -83,14 +83,14 @@ JsonWriter::JsonWriter(const Binding& binding) : output_(binding.parameters()) {
   Keys taken;
   taken.take("channel", "/time");
   taken.take(time, "/time");
-  head_ = "{\"channel\":" + quoted(parameters.has("channel") ? parameters.text("channel") : binding.name()) + "," +
-          quoted(time) + ":";
+  head_ = "{\"channel\":" + json_string(parameters.has("channel") ? parameters.text("channel") : binding.name()) + "," +
+          json_string(time) + ":";
   const ChannelDeclaration& channel = binding.channel(input);
   for (const FieldSpec& field : channel.fields) {
     taken.take(field.name, field.name == "channel" ? "" : "/time");
-    (field.is_per_row ? row_keys_ : keys_).push_back("," + quoted(field.name) + ":");
+    (field.is_per_row ? row_keys_ : keys_).push_back("," + json_string(field.name) + ":");
   }
-  for (const NamedUnit& component : binding.covariance(input)) sigma_keys_.push_back(quoted(component.name) + ":");
+  for (const NamedUnit& component : binding.covariance(input)) sigma_keys_.push_back(json_string(component.name) + ":");
   if (sigma_keys_.empty()) covariance_ = Covariance::none;
   if (covariance_ != Covariance::none) taken.take("sigma", "/covariance");
   if (covariance_ == Covariance::full) taken.take("covariance", "/covariance");

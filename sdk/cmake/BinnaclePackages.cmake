@@ -7,6 +7,8 @@ include_guard(GLOBAL)
 # Who answers for the packages that are built here, and where they are from: whoever distributes them sets these.
 set(BINNACLE_MAINTAINER "The Binnacle maintainers <maintainers@binnacle.invalid>" CACHE STRING "Maintainer of the Debian packages")
 set(BINNACLE_HOMEPAGE "" CACHE STRING "Homepage of the Debian packages")
+# sdk/dist/build gives those of each Debian one of their own, 1+deb12: their files lie in one folder, and a newer Debian upgrades.
+set(BINNACLE_PACKAGE_RELEASE 1 CACHE STRING "Release of the Debian packages")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL runtime dev)
@@ -19,7 +21,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_RELEASE "${BINNACLE_PACKAGE_RELEASE}")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "${BINNACLE_HOMEPAGE}")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -41,11 +43,11 @@ get_target_property(c_version binnacle_c SOVERSION)
 file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/package/shlibs"
   CONTENT "libbinnacle_c ${c_version} binnacle (>= ${PROJECT_VERSION})\n")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/package/shlibs" "${CMAKE_CURRENT_LIST_DIR}/debian/triggers")
-# NetCDF is loaded by name, so that shlibdeps, which adds to this, does not see it. configs/benchmarks/run is Python.
+# NetCDF is loaded by name, when results are written or read: --out. With what it needs it is larger than all else together
+# (57 MB on Debian 12), so who only runs filters may leave it out. Python runs configs/benchmarks/run alone.
 get_property(netcdf_package GLOBAL PROPERTY BINNACLE_NETCDF_PACKAGE)
-set(depends python3 ${netcdf_package})
-list(JOIN depends ", " CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "graphviz, binnacle-dev, python3-binnacle")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${netcdf_package}")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "graphviz, python3, binnacle-dev, python3-binnacle")
 
 set(CPACK_DEBIAN_DEV_DESCRIPTION "error-state Kalman filters for INS/GNSS - development files
 ${what_it_is}This package has the headers, libraries and CMake package for plugins, and for
@@ -120,7 +122,7 @@ install(FILES "${debian}/overrides" DESTINATION share/lintian/overrides RENAME b
 # ---- the source: cmake --build build/release --target dist
 
 add_custom_target(dist
-  COMMAND bash "${PROJECT_SOURCE_DIR}/sdk/dist" ${PROJECT_VERSION} "${PROJECT_BINARY_DIR}"
+  COMMAND bash "${PROJECT_SOURCE_DIR}/sdk/dist/source" ${PROJECT_VERSION} "${PROJECT_BINARY_DIR}"
   USES_TERMINAL VERBATIM)
 
 include(CPack)

@@ -15,7 +15,7 @@ namespace {
 std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
 /// A double-quoted DOT string; "\n" in it starts a new line.
-std::string quoted(const std::string& text) {
+std::string dot_string(const std::string& text) {
   std::string result = "\"";
   for (const char c : wording::visible(text, "\n")) {
     if (c == '\n') {
@@ -29,11 +29,11 @@ std::string quoted(const std::string& text) {
 }
 
 std::string node(const std::string& id, const std::string& label, const std::string& style) {
-  return fmt::format("{} [label={}, {}];\n", quoted(id), quoted(label), style);
+  return fmt::format("{} [label={}, {}];\n", dot_string(id), dot_string(label), style);
 }
 
 std::string edge(const std::string& from, const std::string& to, const std::string& attributes) {
-  return fmt::format("  {} -> {} [{}];\n", quoted(from), quoted(to), attributes);
+  return fmt::format("  {} -> {} [{}];\n", dot_string(from), dot_string(to), attributes);
 }
 
 std::string two_lines(const Json& component) { return text_of(component, "name") + "\n" + text_of(component, "type"); }
@@ -63,7 +63,7 @@ class FilterGraph {
 
   std::string cluster(int index, bool is_heard) const {
     std::string text = fmt::format("  subgraph cluster_{} {{\n    label={};\n    style=rounded;\n", index,
-                                   quoted("filter " + text_of(filter_, "name")));
+                                   dot_string("filter " + text_of(filter_, "name")));
     for (const auto& block : filter_.at("blocks"))
       text +=
           "    " + node(at("blocks", block), block_label(block), "shape=box, style=\"filled\", fillcolor=\"#dce9f7\"");
@@ -136,7 +136,8 @@ std::string channel_edges(const Json& channels, std::set<std::string>& unnamed) 
       const std::string to = owner(pointer.get<std::string>());
       if (!seen.insert(to).second) continue;
       if (to == "/reference" || to.rfind("/sinks/", 0) == 0) unnamed.insert(to);
-      text += edge(owner(text_of(channel, "from")), to, "color=\"#30557f\", label=" + quoted(text_of(channel, "name")));
+      text +=
+          edge(owner(text_of(channel, "from")), to, "color=\"#30557f\", label=" + dot_string(text_of(channel, "name")));
     }
   }
   return text;
@@ -149,7 +150,7 @@ std::string dot_text(const Json& explained) {
       "digraph binnacle {\n  rankdir=LR;\n  node [fontname=\"sans-serif\", fontsize=10];\n"
       "  edge [fontname=\"sans-serif\", fontsize=9];\n";
   if (const std::string title = text_of(explained, "title"); !title.empty())
-    text += "  label=" + quoted(wording::visible(title)) + ";\n  labelloc=t;\n";
+    text += "  label=" + dot_string(wording::visible(title)) + ";\n  labelloc=t;\n";
   for (const auto& source : explained.at("sources"))
     text += "  " + node("/sources/" + escaped(text_of(source, "name")), two_lines(source), "shape=cylinder");
   for (const auto& transform : explained.at("transforms"))

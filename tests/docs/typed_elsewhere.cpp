@@ -13,6 +13,12 @@ const std::vector<TypedElsewhere>& typed_elsewhere() {
       {R"(ctest --test-dir )", "tests/package/consume.sh", "\"$ctest\" --test-dir"},
       {R"(tar -xzf binnacle-)", "tests/package/tarball.sh", "tar -xzf"},
       {R"(\(cd build/release && cpack -G DEB\))", "tests/package/pack.sh", "-G DEB"},
+      {R"(sdk/dist/(build|release)\b)", "tests/package/dist_pack.sh",
+       "sdk/dist/pack"},  // build packs in a clean system, as root
+      {R"((python3 -m venv |env/bin/))", "tests/package/dist.sh", "pip install --no-index"},
+      {R"((export PATH=\$PWD/binnacle-|binnacle run binnacle-0|man -M binnacle-))", "tests/package/dist.sh",
+       "install_tarball"},
+      {R"(tests/elsewhere/run\b)", "tests/elsewhere/systems.txt", "debootstrap"},
       {R"(apt-get install )", "tests/package/install_page.sh", "apt-get -s install"},
       {R"(apt-get purge )", "tests/package/install_page.sh",
        "says 'apt-get purge binnacle'"},  // is only read: nothing is installed

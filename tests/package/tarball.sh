@@ -17,9 +17,9 @@ fail() {
   exit 1
 }
 
-tarball=$(bash "$source/sdk/dist" "$version" "$scratch" 2>/dev/null)
-[ "$tarball" = "$scratch/binnacle-$version.tar.gz" ] || fail "sdk/dist prints: $tarball"
-bash "$source/sdk/dist" "$version" "$scratch/again" >/dev/null 2>&1
+tarball=$(bash "$source/sdk/dist/source" "$version" "$scratch" 2>/dev/null)
+[ "$tarball" = "$scratch/binnacle-$version.tar.gz" ] || fail "sdk/dist/source prints: $tarball"
+bash "$source/sdk/dist/source" "$version" "$scratch/again" >/dev/null 2>&1
 cmp "$tarball" "$scratch/again/binnacle-$version.tar.gz" || fail "twice the same commit is not twice the same tarball"
 tar -xzf "$tarball" -C "$scratch"
 unpacked=$scratch/binnacle-$version
@@ -41,5 +41,5 @@ cd "$unpacked"
 [ -s build/release/lib/binnacle/gnss_fix.so ] || fail "no plugin is built"
 
 # From the unpacked source no tarball is made, and it says so.
-if bash "$unpacked/sdk/dist" "$version" "$scratch/third" 2>"$scratch/log"; then fail "a tarball of no commit"; fi
-grep -q 'is no git checkout' "$scratch/log" || fail "sdk/dist does not say why there is no tarball"
+if bash "$unpacked/sdk/dist/source" "$version" "$scratch/third" 2>"$scratch/log"; then fail "a tarball of no commit"; fi
+grep -q 'is no git checkout' "$scratch/log" || fail "sdk/dist/source does not say why there is no tarball"

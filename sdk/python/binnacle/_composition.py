@@ -18,8 +18,11 @@ Path = str | os.PathLike[str]
 
 
 def _plugin_folders():
-    """Where plugins lie beside this package: in the build tree, or where the project is installed."""
+    """Where plugins lie: inside this package, as in a wheel; beside it, in the build tree; where the project is installed."""
     here = os.path.dirname(os.path.abspath(_core.__file__))
+    inside = os.path.join(here, "lib", "binnacle")
+    if os.path.isdir(inside):
+        return [inside]
     folders = [os.path.normpath(os.path.join(here, "..", "..", "lib", "binnacle"))]
     # lib/python3/dist-packages/binnacle of the same prefix
     prefix = os.path.normpath(os.path.join(here, "..", "..", "..", ".."))
