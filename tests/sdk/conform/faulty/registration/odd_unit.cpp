@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // A unit that there is not.
 // fails: load.register
-#include "faulty.hpp"
+#include "../faulty.hpp"
 
-namespace {
+namespace faulty::odd_unit {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Process::spec();
     spec.parameters[0].unit = "furlong^2/s^3";
     return spec;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(); }
 
-BINNACLE_PLUGIN("odd_unit", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::odd_unit

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Its default lies outside its own range.
 // fails: load.register
-#include "faulty.hpp"
+#include "../faulty.hpp"
 
-namespace {
+namespace faulty::default_out_of_range {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Process::spec();
     spec.parameters[0].default_json = "-1";
     return spec;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(); }
 
-BINNACLE_PLUGIN("default_out_of_range", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::default_out_of_range
