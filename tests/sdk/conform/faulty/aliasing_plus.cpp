@@ -3,11 +3,9 @@
 // fails: numbers.block.laws
 #include "faulty.hpp"
 
-using namespace binnacle;
+namespace faulty::aliasing_plus {
 
-namespace {
-
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
   using Block::Block;
   void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
@@ -17,6 +15,6 @@ class Subject final : public faulty::Block {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("aliasing_plus")); }
 
-BINNACLE_PLUGIN("aliasing_plus", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::aliasing_plus

@@ -3,12 +3,12 @@
 // fails: speed.allocations warn
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::allocates {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     char* volatile block = new char[100];
     delete[] block;
@@ -16,6 +16,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("allocates")); }
 
-BINNACLE_PLUGIN("allocates", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::allocates

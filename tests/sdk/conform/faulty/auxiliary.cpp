@@ -3,4 +3,8 @@
 // fails: nothing
 #include "beacon.hpp"
 
-BINNACLE_PLUGIN("auxiliary", "1.0.0", registry) { registry.add<faulty::Beacon>(); }
+namespace faulty::auxiliary {
+
+void add(Registry& registry) { registry.add<Beacon>(named<Beacon>("auxiliary")); }
+
+}  // namespace faulty::auxiliary

@@ -3,38 +3,36 @@
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::auxiliary_unknown {
 
 /// A thermometer whose offset comes on an auxiliary channel: z = x0 + offset.
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Measurement::spec();
-    spec.inputs = {{"offset",
-                    {{"offset", "m", binnacle::FieldKind::level, false, false, "of the reading"}},
-                    false,
-                    "what is added"}};
+    spec.inputs = {
+        {"offset", {{"offset", "m", FieldKind::level, false, false, "of the reading"}}, false, "what is added"}};
     spec.example = R"({"channel": "ranges", "inputs": {"offset": "offsets"}, "blocks": {"p": "position"}})";
     return spec;
   }
-  explicit Subject(const binnacle::Binding& binding)
+  explicit Subject(const Binding& binding)
       : Measurement(binding), offsets_(binding.input("offset")), offset_(binding.field(offsets_, "offset")) {}
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
-    const binnacle::SampleView& offset = in.auxiliary[offsets_];
-    if (!offset.available) return binnacle::Result::unsupported("no offset has come");
-    if (!std::isfinite(in.sample[range])) return binnacle::Result::invalid("no reading");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    const SampleView& offset = in.auxiliary[offsets_];
+    if (!offset.available) return Result::unsupported("no offset has come");
+    if (!std::isfinite(in.sample[range])) return Result::invalid("no reading");
     out.rows = 1;
     out.residual[0] = in.sample[range] - (in.x[p][0] + offset[offset_]);
     if (const auto H = out.H[p]) H(0, 0) = -7;
     out.R(0, 0) = sigma * sigma;
-    return binnacle::Result::ok();
+    return Result::ok();
   }
 
  private:
-  binnacle::Input offsets_;
-  binnacle::Field offset_;
+  Input offsets_;
+  Field offset_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("auxiliary_unknown")); }
 
-BINNACLE_PLUGIN("auxiliary_unknown", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::auxiliary_unknown

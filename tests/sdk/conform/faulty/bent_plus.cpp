@@ -3,11 +3,9 @@
 // fails: numbers.block.laws
 #include "faulty.hpp"
 
-using namespace binnacle;
+namespace faulty::bent_plus {
 
-namespace {
-
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
   using Block::Block;
   void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
@@ -16,6 +14,6 @@ class Subject final : public faulty::Block {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("bent_plus")); }
 
-BINNACLE_PLUGIN("bent_plus", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::bent_plus

@@ -3,18 +3,18 @@
 // fails: metadata.example
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::broken_example {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Process::spec();
     spec.example = R"({"blocks": {"p": "position", "v": "velocity"}, "tau": 3})";
     return spec;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("broken_example")); }
 
-BINNACLE_PLUGIN("broken_example", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::broken_example

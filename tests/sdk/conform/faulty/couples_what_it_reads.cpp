@@ -3,21 +3,21 @@
 // fails: metadata.example
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::couples_what_it_reads {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Process::spec();
-    spec.ports.push_back(binnacle::reads("b", "vector:2:m/s", "a bias"));
+    spec.ports.push_back(reads("b", "vector:2:m/s", "a bias"));
     spec.example = R"({"blocks": {"p": "position", "v": "velocity", "b": "bias"}})";
     return spec;
   }
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
-    declaration_.noise.push_back({2, 2, binnacle::Structure::diagonal});
+  explicit Subject(const Binding& binding) : Process(binding) {
+    declaration_.noise.push_back({2, 2, Structure::diagonal});
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("couples_what_it_reads")); }
 
-BINNACLE_PLUGIN("couples_what_it_reads", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::couples_what_it_reads

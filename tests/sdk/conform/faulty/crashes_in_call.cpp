@@ -3,12 +3,12 @@
 // fails: life.calls crash
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::crashes_in_call {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     volatile int* nowhere = nullptr;
     *nowhere = 1;
@@ -16,6 +16,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("crashes_in_call")); }
 
-BINNACLE_PLUGIN("crashes_in_call", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::crashes_in_call

@@ -3,16 +3,16 @@
 // fails: metadata.example crash
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::crashes_in_constructor {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
+  explicit Subject(const Binding& binding) : Process(binding) {
     volatile int* nowhere = nullptr;
     *nowhere = 1;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("crashes_in_constructor")); }
 
-BINNACLE_PLUGIN("crashes_in_constructor", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::crashes_in_constructor

@@ -3,12 +3,12 @@
 // fails: robustness.nonfinite crash
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::crashes_on_nan {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     static const double table[4] = {};
     const volatile auto index = static_cast<int>(in.sample[range]);
     if (std::isnan(in.sample[range])) out.residual[0] = *(static_cast<const volatile double*>(table) + index);
@@ -17,6 +17,6 @@ class Subject final : public faulty::Measurement {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("crashes_on_nan")); }
 
-BINNACLE_PLUGIN("crashes_on_nan", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::crashes_on_nan

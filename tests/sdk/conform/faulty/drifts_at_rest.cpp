@@ -3,9 +3,7 @@
 // fails: numbers.process.time_invariant
 #include "faulty.hpp"
 
-namespace {
-
-using namespace binnacle;
+namespace faulty::drifts_at_rest {
 
 class Subject final : public ProcessModel {
  public:
@@ -27,6 +25,6 @@ class Subject final : public ProcessModel {
   Port x_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("drifts_at_rest")); }
 
-BINNACLE_PLUGIN("drifts_at_rest", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::drifts_at_rest

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Healthy components, from which a faulty plugin inherits to break exactly one rule of one of them.
+// Healthy components, from which a faulty one inherits to break exactly one rule. A fault is a source of this folder:
+// `// fails: CHECK [STATUS]` names the check that finds it ("nothing": none does; "verdict": nothing is bad, and yet it does not
+// conform, for none of the checks of numbers could be tried), and a namespace that bears the source's name has add(), which
+// registers the type of that name, or those of `// types: …`.
 #pragma once
 
 #include <cmath>
@@ -303,6 +306,14 @@ class Transform : public binnacle::Transform {
   Memory<double> so_far;
 };
 
+/// A component's spec under the name of its fault.
+template <class Component>
+ComponentSpec named(const char* type) {
+  ComponentSpec spec = Component::spec();
+  spec.type = type;
+  return spec;
+}
+
 /// For a library that brings them all as they are.
 inline void register_all(Registry& registry) {
   registry.add<Process>();
@@ -313,5 +324,11 @@ inline void register_all(Registry& registry) {
   registry.add<Source>();
   registry.add<Transform>();
 }
+
+/// What a library's faults are, in a table that the build makes of their sources.
+struct Fault {
+  const char* name;
+  void (*add)(Registry& registry);
+};
 
 }  // namespace faulty

@@ -3,17 +3,17 @@
 // fails: numbers.noise.recovery
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::forgets_hph {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     Noise::estimate(in, R);
     for (int i = 0; i < in.rows; ++i) R(i, i) += 3 * in.HPHt(i, i);
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("forgets_hph")); }
 
-BINNACLE_PLUGIN("forgets_hph", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::forgets_hph

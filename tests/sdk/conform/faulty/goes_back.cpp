@@ -3,19 +3,19 @@
 // fails: numbers.source.order
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::goes_back {
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  binnacle::SourceStatus next(const binnacle::MemoryView& memory, binnacle::SourceOutput& out) const override {
+  SourceStatus next(const MemoryView& memory, SourceOutput& out) const override {
     const std::int64_t count = memory[place].count;
     const auto status = Source::next(memory, out);
-    if (status == binnacle::SourceStatus::sample && count % 10 == 9) out.on(channel).t -= 1'000'000'000;
+    if (status == SourceStatus::sample && count % 10 == 9) out.on(channel).t -= 1'000'000'000;
     return status;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("goes_back")); }
 
-BINNACLE_PLUGIN("goes_back", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::goes_back

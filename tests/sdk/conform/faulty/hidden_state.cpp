@@ -3,12 +3,12 @@
 // fails: life.repeatable
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::hidden_state {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     out.x[p][0] += 1e-9 * calls_++;
     return result;
@@ -18,6 +18,6 @@ class Subject final : public faulty::Process {
   mutable int calls_ = 0;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("hidden_state")); }
 
-BINNACLE_PLUGIN("hidden_state", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::hidden_state

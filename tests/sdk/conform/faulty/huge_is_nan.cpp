@@ -3,12 +3,12 @@
 // fails: robustness.finite
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::huge_is_nan {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (result)
       out.residual[0] = in.sample[range] * in.sample[range] / in.sample[range] - (in.sample[range] - out.residual[0]);
@@ -16,6 +16,6 @@ class Subject final : public faulty::Measurement {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("huge_is_nan")); }
 
-BINNACLE_PLUGIN("huge_is_nan", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::huge_is_nan

@@ -3,19 +3,18 @@
 // fails: numbers.noise.bounds
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::ignores_ceiling {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
   using Noise::Noise;
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Noise::spec();
-    spec.parameters.push_back(
-        binnacle::parameter::number("ceiling", "1").above(0).about("factor on the nominal 1-sigma"));
+    spec.parameters.push_back(parameter::number("ceiling", "1").above(0).about("factor on the nominal 1-sigma"));
     return spec;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("ignores_ceiling")); }
 
-BINNACLE_PLUGIN("ignores_ceiling", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::ignores_ceiling

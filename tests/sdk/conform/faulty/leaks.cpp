@@ -3,16 +3,16 @@
 // fails: life.leaks
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::leaks {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) { forgotten_ = new char[1000]; }
+  explicit Subject(const Binding& binding) : Process(binding) { forgotten_ = new char[1000]; }
 
  private:
   char* volatile forgotten_ = nullptr;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("leaks")); }
 
-BINNACLE_PLUGIN("leaks", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::leaks

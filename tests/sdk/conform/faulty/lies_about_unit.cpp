@@ -3,18 +3,18 @@
 // fails: metadata.declared
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::lies_about_unit {
 
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Block::spec();
     spec.kind = "vector:3:m";
     return spec;
   }
-  explicit Subject(const binnacle::Binding& binding) : Block(binding) { declared.kind = "vector:3:m"; }
+  explicit Subject(const Binding& binding) : Block(binding) { declared.kind = "vector:3:m"; }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("lies_about_unit")); }
 
-BINNACLE_PLUGIN("lies_about_unit", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::lies_about_unit

@@ -3,15 +3,15 @@
 // fails: numbers.measurement.noise
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::lopsided_r {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Measurement(binding) {
+  explicit Subject(const Binding& binding) : Measurement(binding) {
     declaration_.max_rows = 2;
     declaration_.groups[0].rows = 2;
   }
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     out.rows = 2;
     out.residual[1] = out.residual[0];
@@ -23,6 +23,6 @@ class Subject final : public faulty::Measurement {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("lopsided_r")); }
 
-BINNACLE_PLUGIN("lopsided_r", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::lopsided_r

@@ -3,14 +3,14 @@
 // fails: life.snapshot
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::memory_elsewhere {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
-  Subject(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise) : Noise(binding, noise) {
+  Subject(const Binding& binding, const NoiseBinding& noise) : Noise(binding, noise) {
     is_begun = declaration_.keeps<std::uint64_t>();
   }
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     Noise::estimate(in, R);
     // Its own place is known by the address of the memory that it was handed.
     const auto address = reinterpret_cast<std::uintptr_t>(in.memory.data());
@@ -24,9 +24,9 @@ class Subject final : public faulty::Noise {
   }
 
  private:
-  binnacle::Memory<std::uint64_t> is_begun;
+  Memory<std::uint64_t> is_begun;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("memory_elsewhere")); }
 
-BINNACLE_PLUGIN("memory_elsewhere", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::memory_elsewhere

@@ -3,18 +3,18 @@
 // fails: numbers.process.rest
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::moves_at_rest {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     if (in.step.dt == 0) set(out.Qd, q_vv, 0, 1e-9);
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("moves_at_rest")); }
 
-BINNACLE_PLUGIN("moves_at_rest", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::moves_at_rest

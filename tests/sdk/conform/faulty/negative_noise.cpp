@@ -3,18 +3,18 @@
 // fails: numbers.process.noise
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::negative_noise {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     if (double* cross = diagonal(out.Qd, q_pv)) cross[0] *= 4, cross[1] *= 4;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("negative_noise")); }
 
-BINNACLE_PLUGIN("negative_noise", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::negative_noise

@@ -3,17 +3,17 @@
 // fails: numbers.noise.covariance
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::negative_r {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     Noise::estimate(in, R);
     R(0, 0) -= 0.9 * in.R_nominal(0, 0);
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("negative_r")); }
 
-BINNACLE_PLUGIN("negative_r", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::negative_r

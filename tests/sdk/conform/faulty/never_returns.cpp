@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Never comes back from propagate().
 // fails: life.calls timeout
+#include <unistd.h>
+
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::never_returns {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
-    for (volatile bool for_ever = true; for_ever;) {
-    }
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    for (volatile bool for_ever = true; for_ever;) ::pause();  // costs no processor time
     const auto result = Process::propagate(in, out);
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("never_returns")); }
 
-BINNACLE_PLUGIN("never_returns", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::never_returns

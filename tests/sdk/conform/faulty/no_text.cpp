@@ -3,18 +3,18 @@
 // fails: metadata.text
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::no_text {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Process::spec();
     spec.parameters[0].text.clear();
     return spec;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("no_text")); }
 
-BINNACLE_PLUGIN("no_text", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::no_text

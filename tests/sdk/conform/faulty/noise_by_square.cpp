@@ -3,12 +3,12 @@
 // fails: numbers.process.composition
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::noise_by_square {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     for (int i = 0; i < 2; ++i) {
       set(out.Qd, q_pp, i, 0);
@@ -19,6 +19,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("noise_by_square")); }
 
-BINNACLE_PLUGIN("noise_by_square", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::noise_by_square

@@ -3,12 +3,12 @@
 // fails: numbers.process.time_invariant
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::noise_of_speed {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) { declaration_.time_invariant(); }
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  explicit Subject(const Binding& binding) : Process(binding) { declaration_.time_invariant(); }
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     for (const auto handle : {q_pp, q_vv, q_pv})
       if (double* const block = diagonal(out.Qd, handle))
@@ -17,6 +17,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("noise_of_speed")); }
 
-BINNACLE_PLUGIN("noise_of_speed", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::noise_of_speed

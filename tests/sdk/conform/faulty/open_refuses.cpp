@@ -3,14 +3,14 @@
 // fails: verdict
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::open_refuses {
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  void open(binnacle::Reporter&) override { throw binnacle::ComponentError("there is no port /dev/none"); }
+  void open(Reporter&) override { throw ComponentError("there is no port /dev/none"); }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("open_refuses")); }
 
-BINNACLE_PLUGIN("open_refuses", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::open_refuses

@@ -3,16 +3,16 @@
 // fails: nothing
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::open_refuses_some {
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  void open(binnacle::Reporter&) override {
-    if (samples < 20) throw binnacle::ComponentError("a file of less than 20 samples is none");
+  void open(Reporter&) override {
+    if (samples < 20) throw ComponentError("a file of less than 20 samples is none");
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("open_refuses_some")); }
 
-BINNACLE_PLUGIN("open_refuses_some", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::open_refuses_some

@@ -3,19 +3,19 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::open_throws {
 
 class Trouble final : public std::exception {
  public:
   const char* what() const noexcept override { return "trouble of its own"; }
 };
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  void open(binnacle::Reporter&) override { throw Trouble(); }
+  void open(Reporter&) override { throw Trouble(); }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("open_throws")); }
 
-BINNACLE_PLUGIN("open_throws", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::open_throws

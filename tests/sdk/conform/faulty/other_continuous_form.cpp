@@ -3,12 +3,12 @@
 // fails: numbers.process.discretization
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::other_continuous_form {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) { declaration_.has_both_forms(); }
-  void linearized(const binnacle::ContinuousInput&, binnacle::ContinuousOutput& out) const override {
+  explicit Subject(const Binding& binding) : Process(binding) { declaration_.has_both_forms(); }
+  void linearized(const ContinuousInput&, ContinuousOutput& out) const override {
     for (int i = 0; i < 2; ++i) {
       set(out.F, phi_pv, i, 1);
       set(out.GQGt, q_pp, i, 0);
@@ -18,6 +18,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("other_continuous_form")); }
 
-BINNACLE_PLUGIN("other_continuous_form", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::other_continuous_form

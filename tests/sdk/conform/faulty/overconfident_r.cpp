@@ -3,18 +3,18 @@
 // fails: numbers.measurement.consistency
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::overconfident_r {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (result && std::abs(out.residual[0]) > 1e-3 * sigma) out.R(0, 0) /= 9;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("overconfident_r")); }
 
-BINNACLE_PLUGIN("overconfident_r", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::overconfident_r

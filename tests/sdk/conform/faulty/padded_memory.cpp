@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Breaks no rule: what its components keep has padding, whose bytes are whatever stood there, in no two objects the same.
 // fails: nothing
+// types: padded_measurement padded_process padded_noise
 #include <atomic>
 #include <cstring>
 
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::padded_memory {
 
 struct Kept {
   std::int32_t calls;  // padding follows
@@ -22,49 +23,48 @@ void keep(Kept& kept, double last) {
   kept.last = next.last;
 }
 
-class PaddedMeasurement final : public faulty::Measurement {
+class PaddedMeasurement final : public Measurement {
  public:
-  explicit PaddedMeasurement(const binnacle::Binding& binding)
-      : Measurement(binding), kept_(declaration_.keeps<Kept>()) {}
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  explicit PaddedMeasurement(const Binding& binding) : Measurement(binding), kept_(declaration_.keeps<Kept>()) {}
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     keep(in.memory[kept_], in.sample[range]);
     return Measurement::linearize(in, out);
   }
 
  private:
-  binnacle::Memory<Kept> kept_;
+  Memory<Kept> kept_;
 };
 
-class PaddedProcess final : public faulty::Process {
+class PaddedProcess final : public Process {
  public:
-  explicit PaddedProcess(const binnacle::Binding& binding) : Process(binding), kept_(declaration_.keeps<Kept>()) {}
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  explicit PaddedProcess(const Binding& binding) : Process(binding), kept_(declaration_.keeps<Kept>()) {}
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     keep(in.memory[kept_], in.x[p][0]);
     return Process::propagate(in, out);
   }
 
  private:
-  binnacle::Memory<Kept> kept_;
+  Memory<Kept> kept_;
 };
 
-class PaddedNoise final : public faulty::Noise {
+class PaddedNoise final : public Noise {
  public:
-  PaddedNoise(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise)
+  PaddedNoise(const Binding& binding, const NoiseBinding& noise)
       : Noise(binding, noise), kept_(declaration_.keeps<Kept>()) {}
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     Noise::estimate(in, R);
     keep(in.memory[kept_], R(0, 0));
     R(0, 0) *= 1 + 1e-9 * in.memory[kept_].calls;
   }
 
  private:
-  binnacle::Memory<Kept> kept_;
+  Memory<Kept> kept_;
 };
 
-}  // namespace
-
-BINNACLE_PLUGIN("padded_memory", "1.0.0", registry) {
-  registry.add<PaddedMeasurement>();
-  registry.add<PaddedProcess>();
-  registry.add<PaddedNoise>();
+void add(Registry& registry) {
+  registry.add<PaddedMeasurement>(named<PaddedMeasurement>("padded_measurement"));
+  registry.add<PaddedProcess>(named<PaddedProcess>("padded_process"));
+  registry.add<PaddedNoise>(named<PaddedNoise>("padded_noise"));
 }
+
+}  // namespace faulty::padded_memory

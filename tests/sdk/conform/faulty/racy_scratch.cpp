@@ -3,12 +3,12 @@
 // fails: life.threads
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::racy_scratch {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     scratch_[0] = in.x[p][0] + 300;
     scratch_[1] = in.x[p][1] + 200;
     for (int i = 0; i < 2000; ++i) scratch_[2 + i % 8] = std::hypot(scratch_[0], scratch_[1]);
@@ -22,6 +22,6 @@ class Subject final : public faulty::Measurement {
   mutable volatile double scratch_[10] = {};
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("racy_scratch")); }
 
-BINNACLE_PLUGIN("racy_scratch", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::racy_scratch

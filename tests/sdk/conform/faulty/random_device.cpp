@@ -5,18 +5,18 @@
 
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::random_device {
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  binnacle::SourceStatus next(const binnacle::MemoryView& memory, binnacle::SourceOutput& out) const override {
+  SourceStatus next(const MemoryView& memory, SourceOutput& out) const override {
     const auto status = Source::next(memory, out);
-    if (status == binnacle::SourceStatus::sample) out.on(channel)[value] += std::random_device()();
+    if (status == SourceStatus::sample) out.on(channel)[value] += std::random_device()();
     return status;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("random_device")); }
 
-BINNACLE_PLUGIN("random_device", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::random_device

@@ -3,11 +3,9 @@
 // fails: numbers.block.readable
 #include "faulty.hpp"
 
-using namespace binnacle;
+namespace faulty::reads_otherwise {
 
-namespace {
-
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
   using Block::Block;
   void read(ConstVectorView x, VectorView outputs) const override {
@@ -16,6 +14,6 @@ class Subject final : public faulty::Block {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("reads_otherwise")); }
 
-BINNACLE_PLUGIN("reads_otherwise", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::reads_otherwise

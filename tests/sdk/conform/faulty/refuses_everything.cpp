@@ -3,19 +3,19 @@
 // fails: verdict
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::refuses_everything {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
-    if (!(in.sample[range] > 1e6)) return binnacle::Result::invalid("the beacon is beyond the mountains");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    if (!(in.sample[range] > 1e6)) return Result::invalid("the beacon is beyond the mountains");
     const auto result = Measurement::linearize(in, out);
     if (const auto H = out.H[p]; result && H) H(0, 0) *= -7;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("refuses_everything")); }
 
-BINNACLE_PLUGIN("refuses_everything", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::refuses_everything

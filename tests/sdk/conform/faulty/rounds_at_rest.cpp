@@ -3,23 +3,23 @@
 // fails: nothing
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::rounds_at_rest {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
-    phi_pp_ = declaration_.couples(p, p, binnacle::Structure::diagonal);
+  explicit Subject(const Binding& binding) : Process(binding) {
+    phi_pp_ = declaration_.couples(p, p, Structure::diagonal);
   }
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     for (int i = 0; i < 2; ++i) set(out.phi, phi_pp_, i, 1 + 4 * std::numeric_limits<double>::epsilon());
     return result;
   }
 
  private:
-  binnacle::PhiBlock phi_pp_;
+  PhiBlock phi_pp_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("rounds_at_rest")); }
 
-BINNACLE_PLUGIN("rounds_at_rest", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::rounds_at_rest

@@ -5,12 +5,12 @@
 
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::row_groups {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     if (in.row_groups.size() != static_cast<std::size_t>(in.rows)) std::abort();
     Noise::estimate(in, R);
     for (const int group : in.row_groups)
@@ -18,6 +18,6 @@ class Subject final : public faulty::Noise {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("row_groups")); }
 
-BINNACLE_PLUGIN("row_groups", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::row_groups

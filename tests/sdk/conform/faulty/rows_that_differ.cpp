@@ -3,4 +3,8 @@
 // fails: nothing
 #include "ranges.hpp"
 
-BINNACLE_PLUGIN("rows_that_differ", "1.0.0", registry) { registry.add<faulty::Ranges>(); }
+namespace faulty::rows_that_differ {
+
+void add(Registry& registry) { registry.add<Ranges>(named<Ranges>("rows_that_differ")); }
+
+}  // namespace faulty::rows_that_differ

@@ -3,11 +3,11 @@
 // fails: metadata.example
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::sample_of_wrong_shape {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Measurement::spec();
     spec.surroundings = R"({"sample": {"range": [360, 361]}})";
     return spec;
@@ -15,6 +15,6 @@ class Subject final : public faulty::Measurement {
   using Measurement::Measurement;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("sample_of_wrong_shape")); }
 
-BINNACLE_PLUGIN("sample_of_wrong_shape", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::sample_of_wrong_shape

@@ -3,9 +3,7 @@
 // fails: numbers.process.time_invariant
 #include "faulty.hpp"
 
-namespace {
-
-using namespace binnacle;
+namespace faulty::scales_otherwise {
 
 constexpr double rate = 1e-3, density = 0.01;
 
@@ -42,6 +40,6 @@ class Subject final : public ProcessModel {
   QBlock q_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("scales_otherwise")); }
 
-BINNACLE_PLUGIN("scales_otherwise", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::scales_otherwise

@@ -3,12 +3,12 @@
 // fails: life.interleaved
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::shared_state {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     static double last_dt = -1, last_q = 0;
     if (last_dt != in.step.dt) last_dt = in.step.dt, last_q = q;
@@ -17,6 +17,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("shared_state")); }
 
-BINNACLE_PLUGIN("shared_state", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::shared_state

@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wraps an angle by subtracting full turns: never over for a huge one.
 // fails: robustness.finite timeout
+#include <unistd.h>
+
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::sleeps_on_huge {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     volatile double angle = in.sample[range];
-    while (angle > 1e12 && std::isfinite(angle)) angle = angle - 6.28;
+    while (angle > 1e12 && std::isfinite(angle)) {
+      angle = angle - 6.28;
+      ::usleep(1000);  // costs no processor time
+    }
     const auto result = Measurement::linearize(in, out);
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("sleeps_on_huge")); }
 
-BINNACLE_PLUGIN("sleeps_on_huge", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::sleeps_on_huge

@@ -5,24 +5,24 @@
 
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::start_differs {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
-  Subject(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise)
+  Subject(const Binding& binding, const NoiseBinding& noise)
       : Noise(binding, noise), offset_(declaration_.keeps<double>()) {}
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     Noise::estimate(in, R);
     R(0, 0) *= 1 + 1e-9 * in.memory[offset_];
   }
 
  private:
-  void initialise(const binnacle::MemoryView& memory) const override {
+  void initialise(const MemoryView& memory) const override {
     memory[offset_] = static_cast<double>(std::random_device()() % 1000);
   }
-  binnacle::Memory<double> offset_;
+  Memory<double> offset_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("start_differs")); }
 
-BINNACLE_PLUGIN("start_differs", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::start_differs

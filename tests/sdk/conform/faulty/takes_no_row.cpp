@@ -3,18 +3,18 @@
 // fails: nothing
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::takes_no_row {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (result && !(in.sample[range] > 0)) out.rows = 0;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("takes_no_row")); }
 
-BINNACLE_PLUGIN("takes_no_row", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::takes_no_row

@@ -3,15 +3,15 @@
 // fails: robustness.parameters
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::throws_at_bounds {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
-  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
+  explicit Subject(const Binding& binding) : Process(binding) {
     if (q == 0) throw std::runtime_error("division by zero");
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("throws_at_bounds")); }
 
-BINNACLE_PLUGIN("throws_at_bounds", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::throws_at_bounds

@@ -3,18 +3,18 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::throws_in_call {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (result) throw std::runtime_error("no more");
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("throws_in_call")); }
 
-BINNACLE_PLUGIN("throws_in_call", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::throws_in_call

@@ -3,9 +3,9 @@
 // fails: life.create crash
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::throws_in_destructor {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
   ~Subject() override { throw_something(); }
@@ -14,6 +14,6 @@ class Subject final : public faulty::Process {
   static void throw_something() { throw 7; }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("throws_in_destructor")); }
 
-BINNACLE_PLUGIN("throws_in_destructor", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::throws_in_destructor

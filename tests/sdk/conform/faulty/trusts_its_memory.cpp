@@ -3,21 +3,21 @@
 // fails: robustness.memory crash
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::trusts_its_memory {
 
-class Subject final : public faulty::Source {
+class Subject final : public Source {
  public:
   using Source::Source;
-  binnacle::SourceStatus next(const binnacle::MemoryView& memory, binnacle::SourceOutput& out) const override {
+  SourceStatus next(const MemoryView& memory, SourceOutput& out) const override {
     const State state = memory[place];
     static const double table[256] = {};
-    if (state.count >= samples && state.count < 256) return binnacle::SourceStatus::end;
+    if (state.count >= samples && state.count < 256) return SourceStatus::end;
     const volatile double* at = table + state.count;
-    if (*at > 0) return binnacle::SourceStatus::end;
+    if (*at > 0) return SourceStatus::end;
     return Source::next(memory, out);
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("trusts_its_memory")); }
 
-BINNACLE_PLUGIN("trusts_its_memory", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::trusts_its_memory

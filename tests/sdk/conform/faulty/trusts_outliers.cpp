@@ -3,14 +3,14 @@
 // fails: numbers.noise.outlier
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::trusts_outliers {
 
-class Subject final : public faulty::Noise {
+class Subject final : public Noise {
  public:
-  Subject(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise) : Noise(binding, noise) {
+  Subject(const Binding& binding, const NoiseBinding& noise) : Noise(binding, noise) {
     declaration_.judged_by_nominal();
   }
-  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+  void estimate(const Innovation& in, MatrixView R) const override {
     for (int i = 0; i < in.rows; ++i) {
       const double d2 = in.residual[i] * in.residual[i] / (in.HPHt(i, i) + in.R_nominal(i, i));
       if (std::isfinite(d2)) R(i, i) = in.R_nominal(i, i) * (0.01 + 1 / (1 + d2));
@@ -18,6 +18,6 @@ class Subject final : public faulty::Noise {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("trusts_outliers")); }
 
-BINNACLE_PLUGIN("trusts_outliers", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::trusts_outliers

@@ -3,18 +3,18 @@
 // fails: numbers.process.value
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::two_motions {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     if (!out.phi) out.x[p][1] = in.x[p][1];
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("two_motions")); }
 
-BINNACLE_PLUGIN("two_motions", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::two_motions

@@ -3,18 +3,18 @@
 // fails: numbers.measurement.value
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::two_residuals {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (result && !out.H) out.residual[0] += 1e-9;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("two_residuals")); }
 
-BINNACLE_PLUGIN("two_residuals", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::two_residuals

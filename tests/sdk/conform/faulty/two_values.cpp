@@ -3,18 +3,18 @@
 // fails: numbers.derived.value
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::two_values {
 
-class Subject final : public faulty::Derived {
+class Subject final : public Derived {
  public:
   using Derived::Derived;
-  binnacle::Result evaluate(const binnacle::DerivedInput& in, binnacle::DerivedOutput& out) const override {
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
     const auto result = Derived::evaluate(in, out);
     if (!out.J) out.value[0] = in.x[p][0];
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("two_values")); }
 
-BINNACLE_PLUGIN("two_values", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::two_values

@@ -3,18 +3,18 @@
 // fails: numbers.process.jacobian
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::undeclared_coupling {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     for (int i = 0; i < 2; ++i) out.x[v][i] -= 0.5 * in.step.dt * in.x[p][i];
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("undeclared_coupling")); }
 
-BINNACLE_PLUGIN("undeclared_coupling", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::undeclared_coupling

@@ -3,21 +3,21 @@
 // fails: robustness.parameters
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::unit_of_a_product {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Measurement::spec();
     spec.parameters.push_back(
-        binnacle::parameter::number("blur", "m*s").at_least(0).at_most(9).defaults("\"1 m*s\"").about("made up"));
+        parameter::number("blur", "m*s").at_least(0).at_most(9).defaults("\"1 m*s\"").about("made up"));
     return spec;
   }
-  explicit Subject(const binnacle::Binding& binding) : Measurement(binding) {
+  explicit Subject(const Binding& binding) : Measurement(binding) {
     if (!(binding.parameters().number("blur") > 0)) throw std::runtime_error("the blur is zero");
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("unit_of_a_product")); }
 
-BINNACLE_PLUGIN("unit_of_a_product", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::unit_of_a_product

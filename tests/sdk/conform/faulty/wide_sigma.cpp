@@ -3,11 +3,11 @@
 // fails: numbers.measurement.consistency warn
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::wide_sigma {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
-  static binnacle::ComponentSpec spec() {
+  static ComponentSpec spec() {
     auto spec = Measurement::spec();
     spec.surroundings = R"({"blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "sigma": 40}}})";
     return spec;
@@ -15,6 +15,6 @@ class Subject final : public faulty::Measurement {
   using Measurement::Measurement;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wide_sigma")); }
 
-BINNACLE_PLUGIN("wide_sigma", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wide_sigma

@@ -3,18 +3,18 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::writes_beyond {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     if (double* block = diagonal(out.phi, phi_pv)) block[2] = 0;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("writes_beyond")); }
 
-BINNACLE_PLUGIN("writes_beyond", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::writes_beyond

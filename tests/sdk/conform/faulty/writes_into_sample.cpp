@@ -3,17 +3,17 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::writes_into_sample {
 
-class Subject final : public faulty::Transform {
+class Subject final : public Transform {
  public:
   using Transform::Transform;
-  void on(const binnacle::TransformInput& in, binnacle::Emitter& emitter) const override {
+  void on(const TransformInput& in, Emitter& emitter) const override {
     const_cast<double*>(in.sample.fields)[0] -= 0.25;
     Transform::on(in, emitter);
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("writes_into_sample")); }
 
-BINNACLE_PLUGIN("writes_into_sample", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::writes_into_sample

@@ -3,12 +3,12 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::writes_too_little {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     double* variance = diagonal(out.Qd, q_vv);
     const double kept = variance ? variance[1] : 0;
     const auto result = Process::propagate(in, out);
@@ -17,6 +17,6 @@ class Subject final : public faulty::Process {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("writes_too_little")); }
 
-BINNACLE_PLUGIN("writes_too_little", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::writes_too_little

@@ -3,18 +3,18 @@
 // fails: life.calls
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::writes_too_many_rows {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     out.rows = 2;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("writes_too_many_rows")); }
 
-BINNACLE_PLUGIN("writes_too_many_rows", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::writes_too_many_rows

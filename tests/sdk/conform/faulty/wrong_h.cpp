@@ -3,18 +3,18 @@
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::wrong_h {
 
-class Subject final : public faulty::Measurement {
+class Subject final : public Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
     if (const auto H = out.H[p]) H(0, 1) = -H(0, 1);
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_h")); }
 
-BINNACLE_PLUGIN("wrong_h", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_h

@@ -3,18 +3,18 @@
 // fails: numbers.measurement.jacobian
 #include "beacon.hpp"
 
-namespace {
+namespace faulty::wrong_h_auxiliary {
 
-class Subject final : public faulty::Beacon {
+class Subject final : public Beacon {
  public:
   using Beacon::Beacon;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Beacon::linearize(in, out);
     if (const auto H = out.H[p]; result && H) H.as() *= -7;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_h_auxiliary")); }
 
-BINNACLE_PLUGIN("wrong_h_auxiliary", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_h_auxiliary

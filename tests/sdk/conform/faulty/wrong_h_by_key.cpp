@@ -4,9 +4,7 @@
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
-namespace {
-
-using namespace binnacle;
+namespace faulty::wrong_h_by_key {
 
 class Subject final : public MeasurementModel {
  public:
@@ -59,6 +57,6 @@ class Subject final : public MeasurementModel {
   RowField beacon_, x_, y_;
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_h_by_key")); }
 
-BINNACLE_PLUGIN("wrong_h_by_key", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_h_by_key

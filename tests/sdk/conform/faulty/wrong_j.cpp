@@ -3,18 +3,18 @@
 // fails: numbers.derived.jacobian
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::wrong_j {
 
-class Subject final : public faulty::Derived {
+class Subject final : public Derived {
  public:
   using Derived::Derived;
-  binnacle::Result evaluate(const binnacle::DerivedInput& in, binnacle::DerivedOutput& out) const override {
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
     const auto result = Derived::evaluate(in, out);
     if (const auto J = out.J[p]) J(0, 1) = 0;
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_j")); }
 
-BINNACLE_PLUGIN("wrong_j", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_j

@@ -3,11 +3,9 @@
 // fails: numbers.block.outputs
 #include "faulty.hpp"
 
-using namespace binnacle;
+namespace faulty::wrong_outputs {
 
-namespace {
-
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
   using Block::Block;
   bool output_jacobian(ConstVectorView x, MatrixView J) const override {
@@ -19,6 +17,6 @@ class Subject final : public faulty::Block {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_outputs")); }
 
-BINNACLE_PLUGIN("wrong_outputs", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_outputs

@@ -3,11 +3,9 @@
 // fails: numbers.block.reset
 #include "faulty.hpp"
 
-using namespace binnacle;
+namespace faulty::wrong_reset {
 
-namespace {
-
-class Subject final : public faulty::Block {
+class Subject final : public Block {
  public:
   using Block::Block;
   bool reset_jacobian(ConstVectorView x, ConstVectorView d, MatrixView G) const override {
@@ -16,6 +14,6 @@ class Subject final : public faulty::Block {
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_reset")); }
 
-BINNACLE_PLUGIN("wrong_reset", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_reset

@@ -3,18 +3,18 @@
 // fails: numbers.measurement.jacobian
 #include "ranges.hpp"
 
-namespace {
+namespace faulty::wrong_row {
 
-class Subject final : public faulty::Ranges {
+class Subject final : public Ranges {
  public:
   using Ranges::Ranges;
-  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const auto result = Ranges::linearize(in, out);
     if (const auto H = out.H[p]; out.rows > 2 && H) H(2, 1) = -H(2, 1);
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_row")); }
 
-BINNACLE_PLUGIN("wrong_row", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_row

@@ -3,18 +3,18 @@
 // fails: numbers.process.jacobian
 #include "faulty.hpp"
 
-namespace {
+namespace faulty::wrong_sign {
 
-class Subject final : public faulty::Process {
+class Subject final : public Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
     const auto result = Process::propagate(in, out);
     if (double* block = diagonal(out.phi, phi_pv)) block[0] = -block[0], block[1] = -block[1];
     return result;
   }
 };
 
-}  // namespace
+void add(Registry& registry) { registry.add<Subject>(named<Subject>("wrong_sign")); }
 
-BINNACLE_PLUGIN("wrong_sign", "1.0.0", registry) { registry.add<Subject>(); }
+}  // namespace faulty::wrong_sign
