@@ -12,6 +12,8 @@
 #include "allan/allan.hpp"
 #include "catch.hpp"
 
+namespace allan_test {
+
 using namespace binnacle::allan;
 
 namespace {
@@ -169,3 +171,5 @@ TEST_CASE("the bands of known noises hold the truth, and are as narrow as the re
     CHECK(wrong <= 2);
   }
 }
+
+}  // namespace allan_test

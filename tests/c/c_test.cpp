@@ -9,13 +9,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/session.hpp"
 #include "binnacle/version.hpp"
 #include "catch.hpp"
 #include "drive.h"
 #include "score/sections.hpp"
 #include "skip.hpp"
+
+namespace c_test {
 
 using namespace binnacle;
 
@@ -360,3 +362,5 @@ TEST_CASE("the versions of the C interface") {
   CHECK(binnacle_interface_version() == (BINNACLE_INTERFACE_MAJOR << 16 | BINNACLE_INTERFACE_MINOR));
   CHECK(std::string(binnacle_version()) == BINNACLE_VERSION);
 }
+
+}  // namespace c_test

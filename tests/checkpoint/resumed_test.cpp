@@ -12,6 +12,8 @@
 #include "recorded.hpp"
 #include "score/run.hpp"
 
+namespace resumed_test {
+
 using namespace binnacle;
 
 namespace {
@@ -220,3 +222,5 @@ TEST_CASE("a checkpoint of something else, or a torn one, is refused with the re
   foreign[8] = std::byte{'z'};
   has(refusal(from, foreign), "another kind of machine");
 }
+
+}  // namespace resumed_test

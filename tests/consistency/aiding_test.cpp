@@ -12,6 +12,8 @@
 #include "../papers/study_of.hpp"
 #include "catch.hpp"
 
+namespace aiding_test {
+
 namespace {
 
 constexpr int runs = 100, dof = 26;
@@ -55,3 +57,5 @@ TEST_CASE("ten minutes without GNSS: errors are as the covariance analysis says,
     CHECK(mean < boost::math::quantile(boost::math::complement(distribution, tail)) / runs);
   }
 }
+
+}  // namespace aiding_test

@@ -7,6 +7,8 @@
 #include "../papers/study_of.hpp"
 #include "catch.hpp"
 
+namespace aiding_variants_test {
+
 namespace {
 
 /// NEES and NIS of a variant lie in the bands of 99 % that the study states. Returns how many there were.
@@ -61,3 +63,5 @@ TEST_CASE("ten minutes without GNSS: differences of arrival in place of ranges")
   CHECK(nis.at("mean") > nis.at("band")[0]);
   CHECK(nis.at("mean") < nis.at("band")[1]);
 }
+
+}  // namespace aiding_variants_test

@@ -15,6 +15,8 @@
 #include "run/runtime.hpp"
 #include "score/run.hpp"
 
+namespace alignment_start_test {
+
 using namespace binnacle;
 
 namespace {
@@ -148,3 +150,5 @@ TEST_CASE("paper 000 from a degree: iterated and propagated by sigma points it i
   CHECK(found.nees.share >= 0.97);
   CHECK(found.nis.share >= 0.97);
 }
+
+}  // namespace alignment_start_test

@@ -15,6 +15,8 @@
 #include "run/runtime.hpp"
 #include "score/run.hpp"
 
+namespace bearing_test {
+
 using namespace binnacle;
 
 namespace {
@@ -112,3 +114,5 @@ TEST_CASE("of a target's bearing alone, at least one way to update is consistent
     CHECK(std::max(share_in_band(all[1]), share_in_band(all[2])) >= 0.95);
   }
 }
+
+}  // namespace bearing_test

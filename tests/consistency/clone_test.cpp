@@ -8,6 +8,8 @@
 #include "../papers/study_of.hpp"
 #include "catch.hpp"
 
+namespace clone_test {
+
 namespace {
 
 constexpr int runs = 40;
@@ -72,3 +74,5 @@ TEST_CASE("a copy of what does not move makes P singular for good, and changes n
                      plain.at("reference").at(error).at("rms").get<double>() -
                  1) < 1e-9);
 }
+
+}  // namespace clone_test

@@ -9,6 +9,8 @@
 #include "conservative.hpp"
 #include "score/run.hpp"
 
+namespace conservative_test {
+
 using namespace binnacle;
 
 namespace {
@@ -60,3 +62,5 @@ TEST_CASE("a gate's share of a row's variance is that of the normal distribution
     CHECK(std::abs(score::share_inside_gate(std::erf(limit / std::sqrt(2.0))) - variance / inside) < 1e-6);
   }
 }
+
+}  // namespace conservative_test

@@ -22,6 +22,8 @@
 #include "run/runtime.hpp"
 #include "score/run.hpp"
 
+namespace consistency_test {
+
 using namespace binnacle;
 
 namespace {
@@ -258,3 +260,5 @@ TEST_CASE("a run's summary has the NEES and NIS of that run") {
     CHECK(reported["nis_mean"].get<double>() == ledger.nis_sum / static_cast<double>(ledger.nis_count));
   }
 }
+
+}  // namespace consistency_test

@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "score/run.hpp"
 
+namespace foot_test {
+
 using namespace binnacle;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("a walk without zero-velocity updates is lost within a lap") {
   const auto composition = load({"/filters/ins/measurements=null"});
   CHECK(mean(figures(composition, {"ins/position.horizontal/final"}, 3), 0) > 100);
 }
+
+}  // namespace foot_test

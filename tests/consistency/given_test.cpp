@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "score/run.hpp"
 
+namespace given_test {
+
 using namespace binnacle;
 
 namespace {
@@ -84,3 +86,5 @@ TEST_CASE("a filter that takes the systems for one is found out") {
   CHECK(found.outside >= 2);
   CHECK_FALSE(found.nis_is_inside);
 }
+
+}  // namespace given_test

@@ -26,6 +26,8 @@
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace holes_test {
+
 using namespace binnacle;
 
 namespace {
@@ -325,3 +327,5 @@ TEST_CASE("half and twice the bridge's noise are found out") {
       CHECK(monte_carlo(hole, {model, true, 2}).nees_after_hole < least_nees);
     }
 }
+
+}  // namespace holes_test

@@ -14,6 +14,8 @@
 #include "score/run.hpp"
 #include "score/sections.hpp"
 
+namespace propagation_configs_test {
+
 using namespace binnacle;
 
 namespace {
@@ -101,3 +103,5 @@ TEST_CASE("every filter of configs/ that needs no recorded data can be propagate
   CHECK(ran >= 15);
   CHECK(types.size() >= 8);
 }
+
+}  // namespace propagation_configs_test

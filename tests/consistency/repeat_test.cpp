@@ -12,6 +12,8 @@
 #include "run/runtime.hpp"
 #include "score/run.hpp"
 
+namespace repeat_test {
+
 using namespace binnacle;
 
 namespace {
@@ -131,3 +133,5 @@ TEST_CASE("changing one error changes no other's draws") {
   REQUIRE(changed("/initial_sigma/heading=3 deg") ==
           Names{"drive.initial pitch", "drive.initial roll", "drive.initial yaw"});
 }
+
+}  // namespace repeat_test

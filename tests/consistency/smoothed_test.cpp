@@ -15,6 +15,8 @@
 #include "score/run.hpp"
 #include "smooth/interval_smoother.hpp"
 
+namespace smoothed_test {
+
 using namespace binnacle;
 
 namespace {
@@ -136,3 +138,5 @@ TEST_CASE("what is smoothed is the same to the bit, however often a snapshot was
   CHECK((smoothed_by(1000) == whole));
   CHECK((smoothed_by(7) == whole));  // so many snapshots that stretches become longer
 }
+
+}  // namespace smoothed_test

@@ -15,6 +15,8 @@
 #include "run/runtime.hpp"
 #include "score/run.hpp"
 
+namespace updates_everywhere_test {
+
 using namespace binnacle;
 
 namespace {
@@ -71,3 +73,5 @@ TEST_CASE("configs of each subject run with every way to update") {
     }
   std::filesystem::remove(tight);
 }
+
+}  // namespace updates_everywhere_test

@@ -8,6 +8,8 @@
 #include "document.hpp"
 #include "document/codes.hpp"
 
+namespace diagnostics_test {
+
 namespace {
 
 using namespace binnacle;
@@ -42,3 +44,5 @@ TEST_CASE("the reference of diagnostic codes is that of the kernel") {
   INFO("BINNACLE_WRITE_DOCS=1 tests/run -L docs writes it anew");
   CHECK(text_of(in_project(path)) == reference());
 }
+
+}  // namespace diagnostics_test

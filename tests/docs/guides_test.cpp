@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "document.hpp"
 
+namespace guides_test {
+
 namespace {
 
 using namespace binnacle::test;
@@ -80,3 +82,5 @@ TEST_CASE("links between the guides lead somewhere") {
     }
   }
 }
+
+}  // namespace guides_test

@@ -13,6 +13,8 @@
 #include "page_session.hpp"
 #include "project_folder.hpp"
 
+namespace manual_test {
+
 namespace {
 
 using namespace binnacle::test;
@@ -144,3 +146,5 @@ TEST_CASE("links of the manual lead somewhere") {
     }
   }
 }
+
+}  // namespace manual_test

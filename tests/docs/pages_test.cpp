@@ -17,6 +17,8 @@
 #include "skip.hpp"
 #include "typed_elsewhere.hpp"
 
+namespace pages_test {
+
 namespace {
 
 using namespace binnacle::test;
@@ -162,3 +164,5 @@ TEST_CASE("folders of new plugins have the commands of the one that a test types
     if (fs::exists(entry.path() / "README.md")) CHECK(commands_in(MarkdownFile(entry.path() / "README.md")) == typed);
   }
 }
+
+}  // namespace pages_test

@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "document.hpp"
 
+namespace readme_test {
+
 namespace {
 
 using namespace binnacle::test;
@@ -64,3 +66,5 @@ TEST_CASE("links between the documents lead somewhere") {
     }
   }
 }
+
+}  // namespace readme_test

@@ -4,6 +4,8 @@
 #include "document.hpp"
 #include "project_folder.hpp"
 
+namespace reference_test {
+
 using namespace binnacle::test;
 
 TEST_CASE("the config reference is that of the plugins") {
@@ -13,3 +15,5 @@ TEST_CASE("the config reference is that of the plugins") {
   INFO("binnacle describe --all > sdk/docs/reference.md makes it anew");
   CHECK(is_current);
 }
+
+}  // namespace reference_test

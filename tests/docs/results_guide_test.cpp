@@ -11,6 +11,8 @@
 #include "document.hpp"
 #include "skip.hpp"
 
+namespace results_guide_test {
+
 namespace {
 
 using namespace binnacle::test;
@@ -100,3 +102,5 @@ TEST_CASE("what the guide to results shows is what is printed") {
     FAIL("Python has no " << missing << ": see sdk/packages.txt");
   if (!missing.empty()) binnacle::test::skip("not tried, since Python has no " + missing);
 }
+
+}  // namespace results_guide_test

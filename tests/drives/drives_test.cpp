@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "recorded.hpp"
 
+namespace drives_test {
+
 using namespace binnacle;
 using nlohmann::ordered_json;
 
@@ -187,3 +189,5 @@ TEST_CASE("the clock of a recorded drive may be shifted, and a part of it be cut
   CHECK(part.at("end_s").get<double>() <= 200);
   CHECK(part.at("end_s").get<double>() > 199.98);
 }
+
+}  // namespace drives_test

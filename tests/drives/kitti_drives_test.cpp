@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "recorded.hpp"
 
+namespace kitti_drives_test {
+
 using namespace binnacle;
 using nlohmann::ordered_json;
 
@@ -52,3 +54,5 @@ TEST_CASE("the config of KITTI has no more than 25 lines") {
   for (std::string line; std::getline(file, line);) ++lines;
   CHECK((lines > 10 && lines <= 25));
 }
+
+}  // namespace kitti_drives_test

@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "score/run.hpp"
 
+namespace labyrinth_test {
+
 using namespace binnacle;
 
 namespace {
@@ -36,3 +38,5 @@ TEST_CASE("the labyrinth: of filters fitted on one half, one with a robust loss 
   CAPTURE(gaussian, best);
   CHECK(best < gaussian);
 }
+
+}  // namespace labyrinth_test

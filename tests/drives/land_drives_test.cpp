@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "recorded.hpp"
 
+namespace land_drives_test {
+
 using namespace binnacle;
 using nlohmann::ordered_json;
 
@@ -151,3 +153,5 @@ TEST_CASE("a velocity gone wrong is left out and reported, and nothing else is")
   for (const auto& drive : drives)
     if (drive != "mixed_turns") CHECK(left_out(whole, drive).at("rows") == 0);
 }
+
+}  // namespace land_drives_test

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "recorded.hpp"
 
+namespace smoothed_outages_test {
+
 using nlohmann::ordered_json;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_CASE("smoothed outages: the largest error, inertial alone and with the non-
   CHECK(constrained.smoothed <= 0.75);
   CHECK(wheels.smoothed <= 0.75);
 }
+
+}  // namespace smoothed_outages_test

@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace command_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -130,3 +132,5 @@ TEST_CASE("export to a full disk: exit status 5") {
   const auto outcome = results.to("kml", {"-o", "/dev/full"});
   CHECK(outcome.status == 5);
 }
+
+}  // namespace command_test

@@ -17,6 +17,8 @@
 #include "rtklib/pos_source.hpp"
 #include "skip.hpp"
 
+namespace formats_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using convert::Format;
@@ -443,3 +445,5 @@ TEST_CASE("what cannot be had is refused by name") {
   idle.filters[0].t.clear();
   CHECK(contains(refusal(idle, Format::kml), "has no estimates"));
 }
+
+}  // namespace formats_test

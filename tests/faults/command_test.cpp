@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace command_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -252,3 +254,5 @@ TEST_CASE("what a source, transform or sink throws names plugin, component, call
       CHECK(names_in(bench.folder()) == before);
     }
 }
+
+}  // namespace command_test

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace missing_netcdf_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -87,3 +89,5 @@ TEST_CASE("what neither writes nor reads results works without NetCDF") {
     CHECK(outcome.err.empty());
   }
 }
+
+}  // namespace missing_netcdf_test

@@ -15,6 +15,8 @@
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 
+namespace soak_test {
+
 using namespace binnacle;
 
 namespace {
@@ -209,3 +211,5 @@ TEST_CASE("P0 over R from 1 to 1e30: a sigma is right, or the filter says that i
       std::printf("\n");
     }
 }
+
+}  // namespace soak_test

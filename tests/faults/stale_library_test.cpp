@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace stale_library_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -46,3 +48,5 @@ TEST_CASE("a type that a stale library may bring is an error that names the file
                          bench.path("plugins/stale.so") + "' may contain it, but is not loaded: " + why) !=
         std::string::npos);
 }
+
+}  // namespace stale_library_test

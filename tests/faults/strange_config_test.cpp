@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace strange_config_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -77,3 +79,5 @@ TEST_CASE("control characters of a config do nothing to a terminal") {
     for (const std::string& text : {outcome.out, outcome.err}) CHECK(text.find('\x1b') == std::string::npos);
   }
 }
+
+}  // namespace strange_config_test

@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace writers_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -106,3 +108,5 @@ TEST_CASE("records of filters that an earlier run into the folder had are remove
   CHECK_FALSE(fs::exists(bench.path("out/walk.csv")));
   CHECK(fs::exists(bench.path("out/mine.csv")));
 }
+
+}  // namespace writers_test

@@ -2,11 +2,13 @@
 // No allocation in the run loop, neither by operator new nor by malloc, which Eigen calls.
 #include <Eigen/Dense>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "skip.hpp"
+
+namespace allocation_test {
 
 using binnacle::conform::allocations;
 using namespace binnacle;
@@ -138,3 +140,5 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without, i
   REQUIRE(allocations() == before);
   REQUIRE(filter.counts({{0}, 0}).rows_left_out == 2 * (16 + 8));
 }
+
+}  // namespace allocation_test

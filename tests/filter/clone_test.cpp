@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace clone_test {
+
 using namespace binnacle;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -294,3 +296,5 @@ TEST_CASE("clone: of ways that all wait for the input, those are used whose begi
   CHECK(count(session, "way", Outcome::accepted) == 5);
   CHECK(count(session, "way", Outcome::unsupported) == 1);
 }
+
+}  // namespace clone_test

@@ -14,6 +14,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace covariance_form_test {
+
 using namespace binnacle;
 
 using filter_tests::composition_of;
@@ -149,3 +151,5 @@ TEST_CASE("a covariance to start from that is none stops a filter that keeps a f
     }
   }
 }
+
+}  // namespace covariance_form_test

@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace definite_test {
+
 using namespace binnacle;
 using Eigen::MatrixXd;
 using filter_tests::composition_of;
@@ -147,3 +149,5 @@ TEST_CASE("an update that an expanded P has no digits for is reported with the f
     }
   }
 }
+
+}  // namespace definite_test

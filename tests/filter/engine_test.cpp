@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace engine_test {
+
 using namespace binnacle;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -344,3 +346,5 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
     REQUIRE(filter.counts({{0}, 0}).by_outcome[0] == 3);
   }
 }
+
+}  // namespace engine_test

@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace findings_test {
+
 using namespace binnacle;
 
 namespace {
@@ -46,3 +48,5 @@ TEST_CASE("a component's note is a warning at its place, its figures are explain
 TEST_CASE("a component that has no note is none of the warnings") {
   CHECK(composed(R"(, "politely": true)")->warnings().empty());
 }
+
+}  // namespace findings_test

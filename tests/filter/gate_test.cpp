@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace gate_test {
+
 using namespace binnacle;
 
 using filter_tests::session_of;
@@ -199,3 +201,5 @@ TEST_CASE("a sample gated for want of a majority reports what was left out befor
   REQUIRE(kept.nis > 1e6);
   REQUIRE(filter.counts({{0}, 0}).rows_left_out == 0);
 }
+
+}  // namespace gate_test

@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace instants_test {
+
 using namespace binnacle;
 using filter_tests::line;
 using filter_tests::session_of;
@@ -256,3 +258,5 @@ TEST_CASE("a hole inside the first group of increments is bridged by what came b
     REQUIRE(filter.time(FilterId{0}) >= 960 * ms);
   }
 }
+
+}  // namespace instants_test

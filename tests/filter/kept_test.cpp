@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace kept_test {
+
 using namespace binnacle;
 using filter_tests::push;
 
@@ -162,3 +164,5 @@ TEST_CASE("the closed form of a time-invariant model is asked for x+ alone while
   REQUIRE(run(asked) == by_kept);
   REQUIRE(without_blocks == 0);
 }
+
+}  // namespace kept_test

@@ -9,11 +9,13 @@
 
 #include <unistd.h>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/run.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"
+
+namespace model_input_test {
 
 using namespace binnacle;
 
@@ -238,3 +240,5 @@ TEST_CASE("a measurement that has no time in common with the driving input is a 
   CHECK(warned("18,1\n19,1\n") == apart);
   fs::remove_all(folder);
 }
+
+}  // namespace model_input_test

@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace outcome_test {
+
 using namespace binnacle;
 
 namespace {
@@ -209,3 +211,5 @@ TEST_CASE("what cannot be noise or is not finite is named at once, with plugin, 
   CHECK(diagnosis({"nan_x", "", ""}) ==
         "block 'x' is not finite at 1.05 s: " + move + " gave 'x', which is not finite");
 }
+
+}  // namespace outcome_test

@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace read_covariance_test {
+
 using namespace binnacle;
 
 namespace {
@@ -68,3 +70,5 @@ TEST_CASE("the covariance of a derived value is chained through its Jacobian") {
   CHECK(is_near(covariance("squared", "v"), {3, 1, 0, 0}));
   CHECK(is_near(covariance("x", "squared"), {6 * 2, 0, 2 * 2, 3 * 4}));
 }
+
+}  // namespace read_covariance_test

@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace receiver_bias_test {
+
 using namespace binnacle;
 using filter_tests::composition_of;
 
@@ -106,3 +108,5 @@ TEST_CASE("a correlated error of the receiver: consistent with a bias block, far
     CHECK(mean[i][2] > 3 * 10);
   }
 }
+
+}  // namespace receiver_bias_test

@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace recovery_test {
+
 using namespace binnacle;
 
 using filter_tests::composition_of;
@@ -290,3 +292,5 @@ TEST_CASE("a state that is known far better than it is measured is opened too, a
   CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
   CHECK(std::abs(session.state(FilterId{0})[0] - 8.4) < 0.3);
 }
+
+}  // namespace recovery_test

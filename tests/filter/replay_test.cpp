@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace replay_test {
+
 using namespace binnacle;
 
 namespace {
@@ -208,3 +210,5 @@ TEST_CASE("a dense replay from the start and the step log alone gives every P") 
   CHECK(replay.worst_step <= 1e-12);
   CHECK(replay.worst_total <= 1e-8);
 }
+
+}  // namespace replay_test

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace restart_test {
+
 using namespace binnacle;
 
 using filter_tests::composition_of;
@@ -143,3 +145,5 @@ TEST_CASE("what can not start anew is refused") {
   CHECK_THROWS_AS(load(R"("init": {"x": 5, "again": true}, "sigma": 2)"), ConfigError);
   CHECK_THROWS_AS(load(R"("init": {"channel": "first", "again": {"fields": {"x": "z0"}}}, "sigma": 2)"), ConfigError);
 }
+
+}  // namespace restart_test

@@ -12,6 +12,8 @@
 
 #include "catch.hpp"
 
+namespace session_test {
+
 using namespace binnacle;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("samples of one instant have its time") {
   session.push(z, no_time, 2 * second, one);
   CHECK(session.time({0}) == 2 * second);
 }
+
+}  // namespace session_test

@@ -10,11 +10,13 @@
 #include <Eigen/Dense>
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "skip.hpp"
+
+namespace sigma_propagation_test {
 
 using namespace binnacle;
 using Eigen::MatrixXd;
@@ -487,3 +489,5 @@ TEST_CASE("where a heading is known to 30 degrees, Jacobians make a filter overc
   std::printf("  ten steps of 1 m  %.2f  %.2f\n", ekf, points);
   CHECK(points < 0.3 * ekf);
 }
+
+}  // namespace sigma_propagation_test

@@ -14,6 +14,8 @@
 #include "compose/composition_plan.hpp"
 #include "line.hpp"
 
+namespace snapshot_test {
+
 using namespace binnacle;
 using namespace snapshot_attack;
 
@@ -161,3 +163,5 @@ TEST_CASE("a forged count, index or time is refused by what it is") {
   CHECK(is_refused(forged(plan.covariance.offset, -1.0)));
   CHECK(refusal(session, whole) == "taken");
 }
+
+}  // namespace snapshot_test

@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace trust_test {
+
 using namespace binnacle;
 
 using filter_tests::composition_of;
@@ -314,3 +316,5 @@ TEST_CASE("a hole that the filter bridges is a doubt with its place and length")
   CHECK_FALSE(has_code(with_hole(0.4), "B108"));
   CHECK(has_code(with_hole(2), "B108"));
 }
+
+}  // namespace trust_test

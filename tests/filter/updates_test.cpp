@@ -15,6 +15,8 @@
 #include "catch.hpp"
 #include "line.hpp"
 
+namespace updates_test {
+
 using namespace binnacle;
 
 namespace {
@@ -563,3 +565,5 @@ TEST_CASE("what is wrong with an update is said at its place", "[updates]") {
   CHECK(update.max == 3);
   CHECK(update.tolerance == 0.01);
 }
+
+}  // namespace updates_test

@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/estimator.hpp"
 #include "line.hpp"
 #include "skip.hpp"
+
+namespace updates_throw_test {
 
 using namespace binnacle;
 using namespace binnacle::internal::filter;
@@ -154,3 +156,5 @@ TEST_CASE("iterated and unscented updates allocate nothing", "[updates]") {
     CHECK(session.counts({{0}, 0}).by_outcome[0] == 50);
   }
 }
+
+}  // namespace updates_throw_test

@@ -7,10 +7,12 @@
 
 #include <Eigen/Dense>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"
+
+namespace weighed_test {
 
 using namespace binnacle;
 
@@ -213,3 +215,5 @@ TEST_CASE("weighed: no allocation in the run loop") {
       REQUIRE(session.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] > 10);
     }
 }
+
+}  // namespace weighed_test

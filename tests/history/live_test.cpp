@@ -10,6 +10,8 @@
 #include "line.hpp"
 #include "snapshot_attack.hpp"
 
+namespace live_test {
+
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::fix_and_speed;
@@ -290,3 +292,5 @@ TEST_CASE("nothing is settled before its work is done, and a budget bounds that 
   CHECK(settled > 5);
   CHECK(settled < 10);
 }
+
+}  // namespace live_test

@@ -12,6 +12,8 @@
 #include "recorded.hpp"
 #include "score/sections.hpp"
 
+namespace shuffled_test {
+
 using namespace binnacle;
 
 namespace {
@@ -182,3 +184,5 @@ TEST_CASE("shuffled: another recorded drive") {
   if (!recorded::data()) return;
   is_settled_like_ordered("drives/mixed-turns", "ins");
 }
+
+}  // namespace shuffled_test

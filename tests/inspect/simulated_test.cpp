@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "inspect/inspect.hpp"
 
+namespace simulated_test {
+
 using namespace binnacle::inspect;
 using binnacle::FieldKind;
 using Eigen::Matrix3d;
@@ -260,3 +262,5 @@ TEST_CASE(
   CHECK(alignment.at("heading") == "course");
   CHECK(alignment.contains("max_specific_force_sd"));
 }
+
+}  // namespace simulated_test

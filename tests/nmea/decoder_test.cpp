@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "drive.hpp"
 
+namespace decoder_test {
+
 using namespace binnacle;
 using namespace binnacle::nmea;
 using namespace std::chrono;
@@ -280,3 +282,5 @@ TEST_CASE("whatever comes, what comes out is a position on the earth") {
     CHECK(std::abs(epoch.lon) <= std::numbers::pi);
   }
 }
+
+}  // namespace decoder_test

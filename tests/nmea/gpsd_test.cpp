@@ -11,6 +11,8 @@
 #include "drive.hpp"
 #include "skip.hpp"
 
+namespace gpsd_test {
+
 using namespace binnacle;
 using namespace binnacle::drive;
 using namespace binnacle::receivers;
@@ -163,3 +165,5 @@ TEST_CASE("gpsd reads the estimates from a pseudo-terminal as they are") {
   REQUIRE(estimates.size() > 190);
   CHECK(compare_all(reports, estimates) + 2 >= estimates.size());  // it learns where an epoch ends from the first two
 }
+
+}  // namespace gpsd_test

@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "drive.hpp"
 
+namespace round_trip_test {
+
 using namespace binnacle;
 using namespace binnacle::drive;
 using test::Workbench;
@@ -212,3 +214,5 @@ TEST_CASE("what is wrong with a nmea_writer or a nmea source is said at its plac
   CHECK(warned.status == 0);
   has(warned.err, "GGA has no height");
 }
+
+}  // namespace round_trip_test

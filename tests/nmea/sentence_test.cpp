@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "civil_time/utc_clock.hpp"
 
+namespace sentence_test {
+
 using namespace binnacle;
 using namespace binnacle::nmea;
 using binnacle::sentences::SentenceWriter;
@@ -216,3 +218,5 @@ TEST_CASE("an epoch of UTC counts no leap seconds") {
   CHECK_THROWS_AS(clock_with({{"epoch", text("2026-11-23")}, {"week", integer(0)}}), ComponentError);
   CHECK_THROWS_AS(clock_with({{"epoch", text("2026-11-23")}, {"leap_seconds", integer(18)}}), ComponentError);
 }
+
+}  // namespace sentence_test

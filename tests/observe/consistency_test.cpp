@@ -9,6 +9,8 @@
 
 #include "command.hpp"
 
+namespace consistency_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -146,3 +148,5 @@ TEST_CASE("observe: windows that mean nothing are usage errors, with what there 
   CHECK(later.status == 0);
   CHECK(later.out.find("Filter ins is in none of the windows") != std::string::npos);
 }
+
+}  // namespace consistency_test

@@ -8,6 +8,8 @@
 
 #include "observe/directions.hpp"
 
+namespace directions_test {
+
 using namespace binnacle::observe;
 using Eigen::MatrixXd;
 using Eigen::Vector4d;
@@ -91,3 +93,5 @@ TEST_CASE("a filter that sees another direction instead is not spared by the one
   CHECK(found[0].parts[0].row == 0);
   CHECK(found[0].claimed == Approx(0.99));
 }
+
+}  // namespace directions_test

@@ -9,6 +9,8 @@
 
 #include "command.hpp"
 
+namespace inertial_test {
+
 using namespace binnacle::test;
 using json = nlohmann::ordered_json;  // the order of blocks is that of the rows
 
@@ -290,3 +292,5 @@ TEST_CASE("observe: paper 000, the azimuth is seen through the ship's rolling") 
   REQUIRE_FALSE(azimuth.is_null());
   CHECK(azimuth.at("removed") < 0.25);
 }
+
+}  // namespace inertial_test

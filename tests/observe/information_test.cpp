@@ -9,6 +9,8 @@
 
 #include "observe/information.hpp"
 
+namespace information_test {
+
 using namespace binnacle;
 using Eigen::MatrixXd;
 
@@ -165,3 +167,5 @@ TEST_CASE("a history keeps whole what is short, and ever fewer of what is long")
   for (std::size_t i = 1; i < history.entries().size(); ++i)
     CHECK(history.entries()[i].t - history.entries()[i - 1].t <= 5000 / 256);
 }
+
+}  // namespace information_test

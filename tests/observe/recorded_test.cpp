@@ -7,6 +7,8 @@
 #include "command.hpp"
 #include "recorded_data.hpp"
 
+namespace recorded_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -40,3 +42,5 @@ TEST_CASE("observe: a recorded drive, at rest and under way") {
   CHECK(removed(1, "attitude.down") > 0.9);
   CHECK(removed(1, "gyro_bias.z") < 0.9);
 }
+
+}  // namespace recorded_test

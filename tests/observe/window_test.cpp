@@ -7,6 +7,8 @@
 #include "observe/observe.hpp"
 #include "observe/window.hpp"
 
+namespace window_test {
+
 using namespace binnacle;
 using observe::FilterWatch;
 using observe::Stay;
@@ -160,3 +162,5 @@ TEST_CASE("what recovery opens is counted and shows nothing, named variances are
     CHECK(watch.stays().front().without_noise.removed()(0, 0) == Approx(0.5));
   }
 }
+
+}  // namespace window_test

@@ -11,6 +11,8 @@
 
 #include "paced_run.hpp"
 
+namespace http_test {
+
 using namespace binnacle::test;
 using Json = nlohmann::ordered_json;
 
@@ -248,3 +250,5 @@ TEST_CASE("page: all the ways to name the loopback") {
     CHECK(outcome.err.starts_with("page: http://" + host + ":"));
   }
 }
+
+}  // namespace http_test

@@ -5,6 +5,8 @@
 #include "paced_run.hpp"
 #include "page_checks.hpp"
 
+namespace live_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -161,3 +163,5 @@ TEST_CASE("page: a million instants, as fast as they go") {
   REQUIRE(number(*chromium, "document.getElementById('payload').textContent.length") < 100'000);
   require_quiet(*chromium);
 }
+
+}  // namespace live_test

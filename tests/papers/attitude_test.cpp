@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "study_of.hpp"
 
+namespace attitude_test {
+
 namespace {
 
 using binnacle::test::Real;
@@ -177,3 +179,5 @@ TEST_CASE("coning and sculling in a mechanization: what the choice buys") {
 TEST_CASE("paper 002, the whole of the drift tables over the hour", "[.full]") {
   CHECK(check_cells(study("drift.json", ""), 3600, 0) >= 40);
 }
+
+}  // namespace attitude_test

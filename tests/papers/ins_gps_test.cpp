@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "study_of.hpp"
 
+namespace ins_gps_test {
+
 using papers::over_runs;
 using papers::summary_of;
 
@@ -94,3 +96,5 @@ TEST_CASE("a receiver clock that jumps by 1 ms is met by recovery") {
   CHECK(ranges.at("last_reason") == "no majority of its rows agrees with the rest");
   CHECK(summary.at("filters").at("ins").at("reference").at("position.horizontal").at("final").get<double>() < 30);
 }
+
+}  // namespace ins_gps_test

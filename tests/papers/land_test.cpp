@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "study_of.hpp"
 
+namespace land_test {
+
 namespace {
 
 using nlohmann::ordered_json;
@@ -66,3 +68,5 @@ TEST_CASE("paper 001, NEES and NIS where the model is the truth, with 30 runs") 
   }
   CHECK(held == 8);
 }
+
+}  // namespace land_test

@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "study_of.hpp"
 
+namespace ship_fit_test {
+
 namespace {
 
 using nlohmann::ordered_json;
@@ -120,3 +122,5 @@ TEST_CASE("paper 004 of order 4: the covariance analysis agrees with 2000 drawn 
   const double nees = papers::over_runs(drawn, "matched", "ship/pitch/nees", "mean");
   CHECK(std::abs(nees - 1) < 0.083);  // 99 % of such means of 2000
 }
+
+}  // namespace ship_fit_test

@@ -12,6 +12,8 @@
 
 #include "catch.hpp"
 
+namespace ship_motion_test {
+
 namespace {
 
 using nlohmann::ordered_json;
@@ -118,3 +120,5 @@ TEST_CASE("paper 004: the covariance analysis agrees with 8000 drawn runs, with 
                          figure(computed, variant, "ship/" + subject + "/own sigma") -
                      1) < 1e-9);
 }
+
+}  // namespace ship_motion_test

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "study_of.hpp"
 
+namespace transfer_alignment_test {
+
 namespace {
 
 using nlohmann::ordered_json;
@@ -131,3 +133,5 @@ TEST_CASE(
   };
   CHECK(tilt("biased") > 2.5 * tilt("x1"));
 }
+
+}  // namespace transfer_alignment_test

@@ -12,6 +12,8 @@
 #include "reading.hpp"
 #include "text/text_file.hpp"
 
+namespace csv_mutation_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using nlohmann::json;
@@ -111,3 +113,5 @@ TEST_CASE("mutations of csv with GPS weeks") {
                 {"epoch", "1970-01-01"},
                 {"columns", {{"a", column("3", "m")}}}});
 }
+
+}  // namespace csv_mutation_test

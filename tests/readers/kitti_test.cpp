@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "reading.hpp"
 
+namespace kitti_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using namespace binnacle::kitti;
@@ -134,3 +136,5 @@ TEST_CASE("what is missing or damaged is left out and said") {
   const Folder empty;
   CHECK_THROWS_AS(Oxts(json{{"path", empty.file("")}}), ComponentError);
 }
+
+}  // namespace kitti_test

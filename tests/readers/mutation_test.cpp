@@ -20,6 +20,8 @@
 #include "ublox/ublox_source.hpp"
 #include "ubx_bytes.hpp"
 
+namespace mutation_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using nlohmann::json;
@@ -283,3 +285,5 @@ TEST_CASE("of a damaged stream each lost message is in a count") {
     REQUIRE(c.frame_bytes + c.garbage.count + c.text.count + c.cut.count == bytes.size());
   }
 }
+
+}  // namespace mutation_test

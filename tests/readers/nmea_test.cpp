@@ -11,6 +11,8 @@
 #include "rtklib/pos_source.hpp"
 #include "ublox/ublox_source.hpp"
 
+namespace nmea_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using nlohmann::json;
@@ -130,3 +132,5 @@ TEST_CASE("sentences that the receiver of the walk sent beside its binary messag
   }
   CHECK(compared > 100);
 }
+
+}  // namespace nmea_test

@@ -10,6 +10,8 @@
 #include "reading.hpp"
 #include "recorded_data.hpp"
 
+namespace rtklib_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using namespace binnacle::rtklib;
@@ -289,3 +291,5 @@ TEST_CASE("solutions of rnx2rtkp in all its forms are one track") {
     }
   }
 }
+
+}  // namespace rtklib_test

@@ -8,6 +8,8 @@
 #include "reading.hpp"
 #include "ubx_bytes.hpp"
 
+namespace ublox_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using namespace binnacle::ublox;
@@ -328,3 +330,5 @@ TEST_CASE("live: the same samples from the same bytes, and the same complaints")
   CHECK(live.has_reported("messages that are not read: 0A-09 (1) so far"));
   CHECK(live.has_reported("NAV-VELNED of unknown length or version, left out"));
 }
+
+}  // namespace ublox_test

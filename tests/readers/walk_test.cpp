@@ -14,6 +14,8 @@
 #include "rinex/rinex_source.hpp"
 #include "ublox/ublox_source.hpp"
 
+namespace walk_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using nlohmann::json;
@@ -282,3 +284,5 @@ TEST_CASE("ephemerides of the walk put the satellites where its pseudoranges com
   CHECK(spread_of(gps) < 25);
   CHECK(spread_of(galileo) < 25);
 }
+
+}  // namespace walk_test

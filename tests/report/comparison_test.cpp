@@ -13,6 +13,8 @@
 #include "report/comparison.hpp"
 #include "track.hpp"
 
+namespace comparison_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using report::Comparison;
@@ -245,3 +247,5 @@ TEST_CASE("binnacle report of one folder has nothing of a comparison, and of sev
   fs::resize_file(folder.path() / "b/run.nc", fs::file_size(folder.path() / "b/run.nc") / 2);
   refused("report a b", 5, "b/run.nc' cannot be read");
 }
+
+}  // namespace comparison_test

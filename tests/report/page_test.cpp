@@ -18,6 +18,8 @@
 #include "page_checks.hpp"
 #include "report/page.hpp"
 
+namespace page_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 
@@ -321,3 +323,5 @@ TEST_CASE("binnacle report: a folder without results is an error that states wha
   REQUIRE(contents(answer).find("make one with 'binnacle run") != std::string::npos);
   REQUIRE(!fs::exists(folder.path() / "report.html"));
 }
+
+}  // namespace page_test

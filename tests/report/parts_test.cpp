@@ -17,6 +17,8 @@
 #include "report/page.hpp"
 #include "track.hpp"
 
+namespace parts_test {
+
 using namespace binnacle;
 using namespace binnacle::report;
 
@@ -214,3 +216,5 @@ TEST_CASE("Page: its limits are those that the guide states") {
   REQUIRE(limits.most_points == 20'000);
   REQUIRE(limits.least_points == 1'000);
 }
+
+}  // namespace parts_test

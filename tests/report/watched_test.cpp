@@ -14,6 +14,8 @@
 #include "score/sections.hpp"
 #include "thinned_updates.hpp"
 
+namespace watched_test {
+
 using namespace binnacle;
 using namespace binnacle::report;
 
@@ -245,3 +247,5 @@ TEST_CASE("Live payload: counts are the summary's, and no share or mean is made 
   REQUIRE(live_page(run).find("connect-src 'self'") != std::string::npos);
   REQUIRE(page(test::run_results("ins", 100)).find("connect-src") == std::string::npos);
 }
+
+}  // namespace watched_test

@@ -14,6 +14,8 @@
 #include "catch.hpp"
 #include "csv_records.hpp"
 
+namespace number_text_test {
+
 using namespace binnacle;
 using command::Digits;
 
@@ -115,3 +117,5 @@ TEST_CASE("digits of a column go by its unit, and five are enough of a sigma") {
   CHECK(text("fix.noise", "m", 1.23456789) == "1.2346");
   CHECK(text("pressure.x", "Pa", 101325.12345678901) == "101325.123456789");  // no digits are known to suffice
 }
+
+}  // namespace number_text_test

@@ -18,6 +18,8 @@
 #include "file_size_limit.hpp"
 #include "results/results.hpp"
 
+namespace recorded_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 namespace results = binnacle::results;
@@ -211,3 +213,5 @@ TEST_CASE("memory does not grow with the rows, whatever is recorded") {
     CHECK(with_many < 60e6 * shadow);
   }
 }
+
+}  // namespace recorded_test

@@ -12,6 +12,8 @@
 #include "consistency.hpp"
 #include "results/row_block.hpp"
 
+namespace thinned_test {
+
 using namespace binnacle::report;
 
 namespace {
@@ -159,3 +161,5 @@ TEST_CASE("a block of rows, column by column") {
   CHECK(binnacle::results::rows_of_block(43) == 8192);
   CHECK(binnacle::results::rows_of_block(400) == 1024);
 }
+
+}  // namespace thinned_test

@@ -11,6 +11,8 @@
 
 #include "catch.hpp"
 
+namespace writer_thread_test {
+
 using binnacle::results::WriterThread;
 
 namespace {
@@ -113,3 +115,5 @@ TEST_CASE("a run that breaks while its queue is full drops what waits, and ends"
   opener.join();
   CHECK(carried_out == 0);
 }
+
+}  // namespace writer_thread_test

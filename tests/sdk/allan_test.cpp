@@ -12,6 +12,8 @@
 
 #include "command.hpp"
 
+namespace allan_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -75,3 +77,5 @@ TEST_CASE("allan reports gaps and a channel that is not there") {
   CHECK(wrong.status == 2);
   CHECK(wrong.err.find("did you mean 'rate'?") != std::string::npos);
 }
+
+}  // namespace allan_test

@@ -14,6 +14,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace cause_test {
+
 using namespace binnacle;
 using namespace binnacle::score;
 
@@ -272,3 +274,5 @@ TEST_CASE("a run that is not ok names the likely cause, in its words, its exit a
   CHECK(has_text(json.out, "\"likely_causes\""));
   CHECK(has_text(json.out, "is 2 times the motion north"));
 }
+
+}  // namespace cause_test

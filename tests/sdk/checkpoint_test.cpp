@@ -15,6 +15,8 @@
 
 #include "command.hpp"
 
+namespace checkpoint_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -156,3 +158,5 @@ TEST_CASE("what cannot be resumed is refused, and why") {
   fs::resize_file(bench.path("c"), fs::file_size(bench.path("c")) - 1);
   refused({"--out", "out", "--resume", "c"}, 3, "damaged");
 }
+
+}  // namespace checkpoint_test

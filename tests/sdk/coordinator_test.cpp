@@ -12,6 +12,8 @@
 #include "study/coordinator.hpp"
 #include "study/summary.hpp"
 
+namespace coordinator_test {
+
 using namespace binnacle::test;
 namespace study = binnacle::study;
 using namespace std::chrono_literals;
@@ -300,3 +302,5 @@ TEST_CASE("what cannot be entered ends the work of all") {
   second.thread.join();
   CHECK(second.was_dismissed);
 }
+
+}  // namespace coordinator_test

@@ -8,6 +8,8 @@
 
 #include "command.hpp"
 
+namespace covariance_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -277,3 +279,5 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be compu
   refused(R"("covariance": {"initial": {"place": {"of": "place", "by": [1]}}})", "B013", "1 rows of 1");
   refused(R"("covariance": {"truth": {"process": {"wander": {"q": -1}}}})", "B009", "truth");
 }
+
+}  // namespace covariance_test

@@ -7,6 +7,8 @@
 
 #include "command.hpp"
 
+namespace early_warnings_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -63,3 +65,5 @@ TEST_CASE("a gate without recovery is a warning") {
   const std::string gate = "/filters/ins/measurements/fix/gate=null";
   CHECK_FALSE(has(warned("check", "quickstart.json", {"/filters/ins/measurements/fix/recover=false", gate}), "B113"));
 }
+
+}  // namespace early_warnings_test

@@ -14,6 +14,8 @@
 #include "command.hpp"
 #include "gallery.hpp"
 
+namespace gallery_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -121,3 +123,5 @@ TEST_CASE("pictures and the battery's data are what the scripts of the gallery m
   REQUIRE(std::system(simulate.c_str()) == 0);
   CHECK(is_same(bench.path("battery.csv"), gallery / "battery.csv"));
 }
+
+}  // namespace gallery_test

@@ -14,6 +14,8 @@
 #include "command.hpp"
 #include "score/run.hpp"
 
+namespace graph_test {
+
 using namespace binnacle::test;
 using Eigen::MatrixXd;
 namespace xml = boost::property_tree;
@@ -218,3 +220,5 @@ TEST_CASE("considered components are called so, and names are what they are in a
       0);
   CHECK(Drawing(bench.path("it.svg"), 1).texts.contains("Filter <walk> & \"more\": 1 row in the covariance"));
 }
+
+}  // namespace graph_test

@@ -11,6 +11,8 @@
 #include "command.hpp"
 #include "csv_columns.hpp"
 
+namespace history_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -158,3 +160,5 @@ TEST_CASE("mistakes in latency and history are reported at their places") {
   refused("/evaluate/estimates=late", "'estimates' is \"settled\" or \"live\"");
   refused("/filters/ins/measurements/fix/latency=1", "latency");
 }
+
+}  // namespace history_test

@@ -12,6 +12,8 @@
 #include "csv_columns.hpp"
 #include "results/results.hpp"
 
+namespace implied_state_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -199,3 +201,5 @@ TEST_CASE("what is wrong with an implied state is reported") {
   CHECK(outcome.status == 3);
   CHECK(outcome.err.find("measurement 'seen' does not determine block 'idle'") != std::string::npos);
 }
+
+}  // namespace implied_state_test

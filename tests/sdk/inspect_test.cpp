@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "command.hpp"
 
+namespace inspect_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -271,3 +273,5 @@ TEST_CASE("inspect: a config's lever arm is compared with what turning shows, in
   CHECK(wrong[0].at("value").get<double>() > 3);
   CHECK(has(wrong[0].at("text"), "/filters/ins/derived/antenna has [3.70, -1.20, -0.80] m"));
 }
+
+}  // namespace inspect_test

@@ -13,6 +13,8 @@
 #include "csv_columns.hpp"
 #include "results/results.hpp"
 
+namespace local_test {
+
 using namespace binnacle::test;
 using binnacle::results::FilterResults;
 using Catch::Matchers::Contains;
@@ -104,3 +106,5 @@ TEST_CASE("an origin that is missing or wrong is an error that says where") {
                      "something is wrong (/origin)"));
   CHECK_THAT(said({R"(/orgin={"lat": 0, "lon": 0, "height": 3})"}), Contains("did you mean 'origin'?"));
 }
+
+}  // namespace local_test

@@ -6,6 +6,8 @@
 
 #include "command.hpp"
 
+namespace mistakes_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -228,3 +230,5 @@ TEST_CASE("a good config is passed over in silence") {
   CHECK(outcome.out.empty());
   CHECK(outcome.err.empty());
 }
+
+}  // namespace mistakes_test

@@ -15,6 +15,8 @@
 #include "drive_study.hpp"
 #include "skip.hpp"
 
+namespace mpi_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -290,3 +292,5 @@ TEST_CASE("memory does not grow with the number of runs") {
   INFO(few << " MB for 20 runs, " << many << " MB for 240");
   CHECK(many < few + 2);
 }
+
+}  // namespace mpi_test

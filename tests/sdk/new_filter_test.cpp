@@ -12,6 +12,8 @@
 #include "gallery.hpp"
 #include "refusal.hpp"
 
+namespace new_filter_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -151,3 +153,5 @@ TEST_CASE("new filter refuses names, folders and options that it has no use for"
   CHECK(begins(refusal(bench, {"new", "fliter", "x"}),
                "error: there is nothing new called 'fliter'; did you mean 'filter'?"));
 }
+
+}  // namespace new_filter_test

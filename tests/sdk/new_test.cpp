@@ -11,6 +11,8 @@
 #include "command.hpp"
 #include "refusal.hpp"
 
+namespace new_test {
+
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
@@ -83,3 +85,5 @@ TEST_CASE("new plugin leaves what exists as it is") {
   is_refused(bench, {"new", "plugin", "my_walk"}, "'my_walk' exists already; nothing was written");
   CHECK(read_file(bench.path("my_walk")) == "mine");
 }
+
+}  // namespace new_test

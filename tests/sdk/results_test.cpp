@@ -20,6 +20,8 @@
 #include "file_size_limit.hpp"
 #include "results/results.hpp"
 
+namespace results_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -303,3 +305,5 @@ TEST_CASE("ncdump shows what is in run.nc") {
         "outcome:flag_meanings = \"accepted gated late unsupported invalid withheld rejected\" ;"})
     CHECK(said.text.find(part) != std::string::npos);
 }
+
+}  // namespace results_test

@@ -18,6 +18,8 @@
 #include "csv_columns.hpp"
 #include "results/results.hpp"
 
+namespace run_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -265,3 +267,5 @@ TEST_CASE("killed, a run leaves what an earlier one wrote, and nothing half-writ
   REQUIRE(run(bench, {"--out", "out"}).status == 0);
   CHECK(names_in(bench.path("out")) == names);
 }
+
+}  // namespace run_test

@@ -10,6 +10,8 @@
 
 #include "command.hpp"
 
+namespace schema_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -114,3 +116,5 @@ TEST_CASE("schema and checker agree on bad configs") {
     CHECK_FALSE(schema.accepts(read_file(bench.path("bad.json"))));
   }
 }
+
+}  // namespace schema_test

@@ -11,6 +11,8 @@
 
 #include "command.hpp"
 
+namespace segments_test {
+
 using namespace binnacle::test;
 using Catch::Matchers::Contains;
 using nlohmann::json;
@@ -136,3 +138,5 @@ TEST_CASE("segment errors: what has none says so") {
   CHECK_THAT(said_of(bench, R"(/evaluate/segments={"lengths": []})"), Contains("needs one length at least"));
   CHECK_THAT(said_of(bench, R"(/evaluate/segments={"lengths": ["0 m"]})"), Contains("/evaluate/segments/lengths/0"));
 }
+
+}  // namespace segments_test

@@ -19,6 +19,8 @@
 #include "study/study.hpp"
 #include "study/workers.hpp"
 
+namespace shared_study_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using internal::runtime::Runtime;
@@ -434,3 +436,5 @@ TEST_CASE("what cannot run together is refused") {
   requests[1].options.pace = 1;
   CHECK_THROWS_AS(run_together(requests), std::invalid_argument);
 }
+
+}  // namespace shared_study_test

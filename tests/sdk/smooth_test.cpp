@@ -17,6 +17,8 @@
 #include "csv_columns.hpp"
 #include "results/results.hpp"
 
+namespace smooth_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -230,3 +232,5 @@ TEST_CASE("without a fixed lag there is no such channel, and a filter may not fe
   CHECK(cycle.status == 3);
   CHECK(cycle.err.find("these depend on each other in a cycle") != std::string::npos);
 }
+
+}  // namespace smooth_test

@@ -16,6 +16,8 @@
 #include "drive_study.hpp"
 #include "study/statistics.hpp"
 
+namespace study_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -398,3 +400,5 @@ TEST_CASE("a cell may have a text instead of a figure, and figures may have the 
   CHECK(unused.err.find("error[B090] /study/table/texts/clam: no cell of the table would be 'clam'") !=
         std::string::npos);
 }
+
+}  // namespace study_test

@@ -10,6 +10,8 @@
 
 #include "command.hpp"
 
+namespace summary_test {
+
 using namespace binnacle::test;
 
 namespace {
@@ -249,3 +251,5 @@ TEST_CASE("an 'after' that is meant from the start, where times are seconds of t
   CHECK_FALSE(has(with_after("345605 s", "345600 s"), "B129"));
   CHECK_FALSE(has(with_after("5 s", "0 s"), "B129"));
 }
+
+}  // namespace summary_test

@@ -9,6 +9,8 @@
 
 #include "command.hpp"
 
+namespace verbs_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -163,3 +165,5 @@ TEST_CASE("version shows the guard") {
   CHECK(version.at("guard").contains("API"));
   CHECK(has(binnacle::test::binnacle(bench, {"version"}).out, "binnacle " + version.at("version").get<std::string>()));
 }
+
+}  // namespace verbs_test

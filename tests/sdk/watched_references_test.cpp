@@ -7,6 +7,8 @@
 #include "score/metric.hpp"
 #include "score/run.hpp"
 
+namespace watched_references_test {
+
 using namespace binnacle;
 
 namespace {
@@ -41,3 +43,5 @@ TEST_CASE("metrics of runs without a summary are those of runs with one, alone a
     CHECK(is_expected(i, values_of(composition, {names[i]}, false).front()));
   }
 }
+
+}  // namespace watched_references_test

@@ -16,6 +16,8 @@
 #include "command.hpp"
 #include "receivers.hpp"
 
+namespace json_writer_test {
+
 using namespace binnacle;
 using namespace binnacle::receivers;
 using nlohmann::json;
@@ -267,3 +269,5 @@ TEST_CASE("standard output: lines of JSON and nothing else, as many as there are
     before = object.at("t").get<double>();
   }
 }
+
+}  // namespace json_writer_test

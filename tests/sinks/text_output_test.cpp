@@ -15,6 +15,8 @@
 #include "output/line_queue.hpp"
 #include "receivers.hpp"
 
+namespace text_output_test {
+
 using namespace binnacle;
 using namespace binnacle::receivers;
 using text_output::LineQueue;
@@ -438,3 +440,5 @@ TEST_CASE("an output that is not closed leaves its thread and its port") {
   output.open();  // as a run that broke leaves it
   output.close();
 }
+
+}  // namespace text_output_test

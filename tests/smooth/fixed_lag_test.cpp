@@ -9,12 +9,14 @@
 
 #include <Eigen/Dense>
 
-#include "../../sdk/conform/allocations.hpp"
+#include "allocations.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "skip.hpp"
 #include "smooth/fixed_lag.hpp"
 #include "smooth/interval_smoother.hpp"
+
+namespace fixed_lag_test {
 
 using namespace binnacle;
 using filter_tests::composition_of;
@@ -143,3 +145,5 @@ TEST_CASE("a fixed lag allocates nothing once its log is as long as it gets") {
     CHECK(after == before);
   }
 }
+
+}  // namespace fixed_lag_test

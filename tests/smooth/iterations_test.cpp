@@ -18,6 +18,8 @@
 #include "line.hpp"
 #include "smooth/interval_smoother.hpp"
 
+namespace iterations_test {
+
 using namespace binnacle;
 using filter_tests::composition_of;
 
@@ -202,3 +204,5 @@ TEST_CASE("iterations are the same to the bit for any number of snapshots") {
     CHECK(whole.P[k] == parts.P[k]);
   }
 }
+
+}  // namespace iterations_test

@@ -15,6 +15,8 @@
 #include "line.hpp"
 #include "smooth/interval_smoother.hpp"
 
+namespace smoother_test {
+
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::push;
@@ -570,3 +572,5 @@ TEST_CASE("the smoothed errors of 200 runs with a considered component are as la
     CHECK(sum < boost::math::quantile(boost::math::complement(distribution, out)));
   }
 }
+
+}  // namespace smoother_test

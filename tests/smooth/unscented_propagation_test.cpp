@@ -14,6 +14,8 @@
 #include "line.hpp"
 #include "smooth/interval_smoother.hpp"
 
+namespace unscented_propagation_test {
+
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::line;
@@ -122,3 +124,5 @@ TEST_CASE("smoothing a heading that is hardly known: overconfident by Jacobians,
   // Not in the band everywhere: what the regression leaves is added as if it were new in each step.
   CHECK(of_points < 0.5 * of_jacobians);
 }
+
+}  // namespace unscented_propagation_test

@@ -78,6 +78,19 @@ test_names() {
   grep -rnE "${sources[@]}" 'TEST_CASE(_[A-Z_]+)?\([^"]*"[^"]*;' tests | sed 's/^\([^:]*:[0-9]*\):.*/\1: a semicolon in the name of a test/'
 }
 
+# Tests are compiled in batches of files: each stands in the namespace of its name, where nothing clashes. No macros.
+own_namespace() {
+  local file
+  find tests -mindepth 2 -maxdepth 2 -name '*_test.cpp' | sort | while IFS= read -r file; do
+    awk -v file="$file" -v name="$(basename "$file" .cpp)" '
+      $0 == "namespace " name " {" { inside = seen = 1; next }
+      $0 == "}  // namespace " name { inside = 0; next }
+      /^[[:space:]]*#[[:space:]]*(define|undef)/ { print file ":" FNR ": a macro, which the next file of the batch would see"; next }
+      !inside && !/^($|\/\/|#)/ { print file ":" FNR ": outside of namespace " name }
+      END { if (!seen) print file ":1: it has no namespace " name }' "$file"
+  done
+}
+
 vocabulary() { python3 "$here/vocabulary.py" . | grep -E '^[^:]+:[0-9]+: '; }
 
 # Writable objects that are no state of the plugin's: what crt files bring, pointers to exception types, guards of
@@ -107,7 +120,7 @@ libraries() {
 
 case $rule in
   libraries) found=$(libraries "$@" || true) ;;
-  includes | links | state | kernel_words | words | paths | license | test_names | format | vocabulary)
+  includes | links | state | kernel_words | words | paths | license | test_names | own_namespace | format | vocabulary)
     if [ "$rule" = format ] && ! $formatter --version 2>/dev/null | grep -q 'version 14[.]'; then
       echo "SKIPPED: no clang-format 14 (Debian package clang-format)"
       if [ "${CI:-}" = true ]; then exit 1; else exit 77; fi

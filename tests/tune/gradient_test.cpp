@@ -15,6 +15,8 @@
 #include "log_recorder.hpp"
 #include "tune/linear_log.hpp"
 
+namespace gradient_test {
+
 using namespace binnacle;
 using nlohmann::json;
 
@@ -274,3 +276,5 @@ TEST_CASE("Fisher's information is the covariance of the gradient where the nois
     for (int j = 0; j < 2; ++j)
       CHECK(std::abs(scatter(i, j) - information(i, j)) < 4 * 0.071 * std::sqrt(information(i, i) * information(j, j)));
 }
+
+}  // namespace gradient_test

@@ -13,6 +13,8 @@
 
 #include "tune/tune.hpp"
 
+namespace recovery_test {
+
 using namespace binnacle;
 
 namespace {
@@ -103,3 +105,5 @@ TEST_CASE("tune finds six noises from starts 30 times off, and knows how well") 
     CHECK(scatter < 1.5 * sigma);
   }
 }
+
+}  // namespace recovery_test

@@ -12,6 +12,8 @@
 
 #include "command.hpp"
 
+namespace verb_test {
+
 using namespace binnacle::test;
 using nlohmann::json;
 
@@ -307,3 +309,5 @@ TEST_CASE("tune reports mistakes at their places") {
   wrong["tune"]["objective"] = "withheld";
   is_refused(bench, wrong, 3, "B131", "no sample was withheld");
 }
+
+}  // namespace verb_test

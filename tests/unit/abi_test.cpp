@@ -12,6 +12,8 @@
 #include "binnacle/version.hpp"
 #include "catch.hpp"
 
+namespace abi_test {
+
 using namespace binnacle;
 using abi::Guard;
 
@@ -106,3 +108,5 @@ TEST_CASE("every field of the host can be printed", "[abi]") {
   CHECK(fields.size() == 13);
   CHECK(std::all_of(fields.begin(), fields.end(), [](const auto& field) { return !field.second.empty(); }));
 }
+
+}  // namespace abi_test

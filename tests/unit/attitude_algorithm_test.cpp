@@ -18,6 +18,8 @@
 #include "attitude/quaternion.hpp"
 #include "attitude/rotation_vector.hpp"
 
+namespace attitude_algorithm_test {
+
 using namespace binnacle::attitude;
 using binnacle::test::lag_expression;
 using binnacle::test::Real;
@@ -326,3 +328,5 @@ TEST_CASE("fewer samples than chosen go by the weights for so many, unequal ones
     CHECK(in_float != in_double);
   }
 }
+
+}  // namespace attitude_algorithm_test

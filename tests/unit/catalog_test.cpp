@@ -17,6 +17,8 @@
 #include "loader_work.hpp"
 #include "plugin/library.hpp"
 
+namespace catalog_test {
+
 using namespace binnacle;
 using namespace loader_work;
 
@@ -473,3 +475,5 @@ TEST_CASE("a skeleton holds what has to be filled in", "[catalog]") {
 )";
   CHECK(document::skeleton(catalog.types()) == expected);
 }
+
+}  // namespace catalog_test

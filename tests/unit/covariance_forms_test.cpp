@@ -15,6 +15,8 @@
 #include "catch.hpp"
 #include "covariance_work.hpp"
 
+namespace covariance_forms_test {
+
 using namespace covariance_tests;
 
 namespace {
@@ -442,3 +444,5 @@ TEST_CASE("a step mixes a variance of 1e30 into one of 1 and keeps what is left 
     CHECK((form.P() - expected).norm() < 1e-13);
   }
 }
+
+}  // namespace covariance_forms_test

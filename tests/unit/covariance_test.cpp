@@ -13,6 +13,8 @@
 #include "filter/model_calls.hpp"
 #include "filter/strip_loops.hpp"
 
+namespace covariance_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::filter;
 using namespace covariance_tests;
@@ -397,3 +399,5 @@ TEST_CASE("a variance that is further below zero stays as it is, and is found") 
     CHECK_FALSE(form.is_below(1e30));
   }
 }
+
+}  // namespace covariance_test

@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "document/codes.hpp"
 
+namespace diagnostic_test {
+
 using namespace binnacle;
 
 namespace {
@@ -135,3 +137,5 @@ TEST_CASE("the codes are sorted, unique and explained", "[diagnostic]") {
   }
   CHECK(seen.size() >= 47);
 }
+
+}  // namespace diagnostic_test

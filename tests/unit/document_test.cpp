@@ -13,6 +13,8 @@
 
 #include "catch.hpp"
 
+namespace document_test {
+
 using namespace binnacle;
 using internal::config::Document;
 namespace fs = std::filesystem;
@@ -385,3 +387,5 @@ TEST_CASE("the hash follows the resolved document", "[document]") {
   CHECK(plain != parsed("{\"b\": 2, \"a\": 1}").hash());
   CHECK(parsed("{}").hash() == 0x08f44b07b5901a25U);
 }
+
+}  // namespace document_test

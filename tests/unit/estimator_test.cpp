@@ -14,6 +14,8 @@
 #include "catch.hpp"
 #include "compose/composition_plan.hpp"
 
+namespace estimator_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::filter;
 using Eigen::MatrixXd;
@@ -138,3 +140,5 @@ TEST_CASE("a state that is not finite and a variance that is negative are named"
   f.plan().covariance.in(f.arena)[0] = -1;
   CHECK_THROWS_WITH(f.estimator->check_update(nanoseconds(3)), "'position.x' has the variance -1 at 3 s");
 }
+
+}  // namespace estimator_test

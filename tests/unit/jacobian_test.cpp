@@ -9,6 +9,8 @@
 
 #include "binnacle/jacobian.hpp"
 
+namespace jacobian_test {
+
 using namespace binnacle;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -59,3 +61,5 @@ TEST_CASE("jacobian: differences give it to the fourth power of the step") {
   REQUIRE(error(20.0) < error(40.0) / 12);
   REQUIRE((jacobian::by_differences<3, 3>(turned, Vector3d(0.1, 0.1, 0.1)) - minus_v_cross()).norm() < 1e-13);
 }
+
+}  // namespace jacobian_test

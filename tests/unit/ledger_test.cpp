@@ -9,6 +9,8 @@
 
 #include "catch.hpp"
 
+namespace ledger_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::filter;
 
@@ -145,3 +147,5 @@ TEST_CASE("the first diagnosis stays, cut to its place") {
   CHECK(f.ledger.is_broken());
   CHECK(std::string(f.ledger.diagnosis()) == std::string(sizeof(Health::diagnosis) - 1, 'a'));
 }
+
+}  // namespace ledger_test

@@ -9,6 +9,8 @@
 
 #include "catch.hpp"
 
+namespace local_axes_test {
+
 using namespace binnacle::geodesy;
 using Eigen::Vector3d;
 
@@ -61,3 +63,5 @@ TEST_CASE("a velocity along local axes is turned to those of its place", "[geode
   CHECK((axes.C_nl(lla) * v - way).norm() < 1e-5);
   CHECK((v - way).norm() > 0.02);  // 30 km over the earth's radius of 7.6 m/s
 }
+
+}  // namespace local_axes_test

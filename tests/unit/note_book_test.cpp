@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "filter/model_calls.hpp"
 
+namespace note_book_test {
+
 using namespace binnacle;
 using internal::filter::NoteBook;
 
@@ -50,3 +52,5 @@ TEST_CASE("notes beyond those there is room for are counted", "[note_book]") {
   book.keep(type, here, "propagate", 200, "3");
   CHECK(book.notes()[3].count == 2);
 }
+
+}  // namespace note_book_test

@@ -11,6 +11,8 @@
 #include "random/normal.hpp"
 #include "random/philox.hpp"
 
+namespace random_test {
+
 using namespace binnacle::random;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_CASE("normal deviates have the moments of N(0, 1)") {
   REQUIRE(std::abs(moment[3] - 3.0) < 4.0 * std::sqrt(96.0) / root_n);
   REQUIRE(std::abs(beyond_two / double{n} - 0.0455003) < 4.0 * std::sqrt(0.0434) / root_n);
 }
+
+}  // namespace random_test

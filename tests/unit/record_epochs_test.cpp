@@ -6,6 +6,8 @@
 
 #include "catch.hpp"
 
+namespace record_epochs_test {
+
 using namespace binnacle;
 using score::RecordEpochs;
 
@@ -70,3 +72,5 @@ TEST_CASE("far from a point the first instant behind it is taken, as are the poi
 TEST_CASE("an instant that was kept is not lost at a hole or at the end", "[record]") {
   CHECK(taken(100 * ms, in_ms({0, 95, 350, 395})) == in_ms({0, 95, 350, 395}));
 }
+
+}  // namespace record_epochs_test

@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "filter/sigma_points.hpp"
 
+namespace sigma_points_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::filter;
 using Eigen::MatrixXd;
@@ -202,3 +204,5 @@ TEST_CASE("what is no covariance is reported, and has no points where it is none
   CHECK(points.weight(0) == 1);
   CHECK(points.least_pivot() == 1);
 }
+
+}  // namespace sigma_points_test

@@ -9,6 +9,8 @@
 #include "binnacle/local_axes.hpp"
 #include "catch.hpp"
 
+namespace spec_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::spec;
 using Catch::Matchers::Contains;
@@ -385,3 +387,5 @@ TEST_CASE("kinds and their patterns", "[spec]") {
   CHECK(canonical_kind("vector:3:deg/s").error() ==
         "a block's values are SI, so its unit cannot be 'deg/s'; write 'rad/s'");
 }
+
+}  // namespace spec_test

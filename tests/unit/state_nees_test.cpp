@@ -11,6 +11,8 @@
 
 #include "catch.hpp"
 
+namespace state_nees_test {
+
 using namespace binnacle;
 using namespace binnacle::score;
 using Eigen::MatrixXd;
@@ -174,3 +176,5 @@ TEST_CASE("state NEES: a wrong cross-covariance is found, though each block's ow
   // tr(P_wrong⁻¹ P) = 2 (1 + ρ²)/(1 − ρ²) + 2
   CHECK(std::abs(mean(wrong_filter.nees) / (2 * 1.49 / 0.51 + 2) - 1) < 0.1);
 }
+
+}  // namespace state_nees_test

@@ -11,6 +11,8 @@
 
 #include "strapdown/earth.hpp"
 
+namespace strapdown_earth_test {
+
 using namespace binnacle::strapdown;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -147,3 +149,5 @@ TEST_CASE("position plus and minus are inverse and in metres", "[strapdown][eart
     }
   }
 }
+
+}  // namespace strapdown_earth_test

@@ -15,6 +15,8 @@
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace strapdown_error_model_test {
+
 using namespace binnacle::strapdown;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -342,3 +344,5 @@ TEST_CASE("process noise against fine integration", "[strapdown][error]") {
     }
   }
 }
+
+}  // namespace strapdown_error_model_test

@@ -15,6 +15,8 @@
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace strapdown_mechanization_test {
+
 using namespace binnacle::strapdown;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -382,3 +384,5 @@ TEST_CASE("what the mechanization remembers", "[strapdown][mechanization]") {
   REQUIRE(b.before.omega == a.last.omega);
   REQUIRE(c.before.omega == a.last.omega);
 }
+
+}  // namespace strapdown_mechanization_test

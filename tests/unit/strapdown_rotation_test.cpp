@@ -11,6 +11,8 @@
 
 #include "strapdown/rotation.hpp"
 
+namespace strapdown_rotation_test {
+
 using namespace binnacle::strapdown;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -140,3 +142,5 @@ TEST_CASE("attitude error: truth = exp(phi) estimate", "[strapdown][rotation]") 
     REQUIRE((attitude_minus(attitude_plus(q, big), q) - big).norm() < 2e-15);
   }
 }
+
+}  // namespace strapdown_rotation_test

@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "filter/model_calls.hpp"
 
+namespace time_line_test {
+
 using namespace binnacle;
 using namespace binnacle::internal::filter;
 
@@ -185,3 +187,5 @@ TEST_CASE("after a step that throws, the queue can still be emptied: each sample
   CHECK(f.diary.take() == Said{"resume 1 @ 13", "refuse 6"});
   CHECK(f.head().queued == 0);
 }
+
+}  // namespace time_line_test

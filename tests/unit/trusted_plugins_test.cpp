@@ -14,6 +14,8 @@
 #include "../skip.hpp"
 #include "loader_work.hpp"
 
+namespace trusted_plugins_test {
+
 using namespace loader_work;
 
 namespace {
@@ -271,3 +273,5 @@ TEST_CASE("a FIFO in a plugin folder holds nobody up", "[catalog]") {
 TEST_CASE("a plugin that looks for libraries beside itself finds them", "[catalog]") {
   CHECK(load("looks_beside") == Lines{});
 }
+
+}  // namespace trusted_plugins_test

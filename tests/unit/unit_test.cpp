@@ -13,6 +13,8 @@
 
 #include "catch.hpp"
 
+namespace unit_test {
+
 using namespace binnacle;
 
 namespace {
@@ -212,3 +214,5 @@ TEST_CASE("SI goes back to the unit for display", "[unit]") {
   CHECK(std::abs(quantity("0.2 deg/h") / unit("deg/h").scale - 0.2) < 1e-15);
   CHECK(7200.0 / unit("h").scale == 2.0);
 }
+
+}  // namespace unit_test

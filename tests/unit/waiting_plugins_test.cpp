@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "loader_work.hpp"
 
+namespace waiting_plugins_test {
+
 using namespace binnacle;
 using namespace loader_work;
 
@@ -140,3 +142,5 @@ TEST_CASE("a plugin whose list is wrong is refused, type by type", "[catalog]") 
   CHECK(Waiting({"wrong_list"}).want(Role::process_model, "rest") ==
         refused + "c.json:3:5: error[B047] /x/type: unknown process model 'rest'; " + lacking);
 }
+
+}  // namespace waiting_plugins_test

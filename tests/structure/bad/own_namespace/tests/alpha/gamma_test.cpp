@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0  // bad
+#include <string>
+
+namespace other_test { // bad
+} // bad
