@@ -39,10 +39,9 @@ std::vector<std::string> pages() {
 
 /// Test cases by what their pages' paths begin with: the first that matches has a page, and the last matches all. Those that
 /// serve the port of configs/live/output.json are one: cases run at the same time.
-const std::vector<std::string> groups{"(configs|sdk/docs)/live", "configs/[a-b]", "configs/[c-f]",
-                                      "configs/[g-l]",           "configs/",      "sdk/docs/verbs/",
-                                      "sdk/docs/evidence/",      "sdk/docs/[a-l]", "sdk/docs/",
-                                      ""};
+const std::vector<std::string> groups{
+    "(configs|sdk/docs)/live", "configs/[a-b]",      "configs/[c-f]",  "configs/[g-l]", "configs/",
+    "sdk/docs/verbs/",         "sdk/docs/evidence/", "sdk/docs/[a-l]", "sdk/docs/",     ""};
 
 std::string group_of(const std::string& page) {
   return *std::find_if(groups.begin(), groups.end(),
