@@ -118,20 +118,20 @@ class Checker:
     def text_held(self, held):
         """The text that must have the figures, or a fault."""
         commands, link = re.findall(r"`([^`]+)`", held), LINK.search(held)
-        if not link:
+        words = re.fullmatch(r"(?:\[[^\]]*\]\([^()]*\)|`[^`]*`): (.+)", held)
+        if not link and not words:
             if len(commands) != 1 or held != f"`{commands[0]}`":
                 return None, "is held by no command, file or test"
             text = self.output_of(commands[0].replace("\\|", "|"))
             return text, None if text is not None else f"{commands[0]} fails"
-        file = (self.root / CLAIMS).parent / link[2].partition("#")[0]
+        name = link[2].partition("#")[0] if link else commands[0]
+        file = (self.root / CLAIMS).parent / name if link else self.root / name
         if not file.is_file():
-            return None, f"{link[2]} is not there"
+            return None, f"{name} is not there"
         text = file.read_text(encoding="utf-8")
-        if held.startswith("["):
-            words = re.fullmatch(r"\[[^\]]*\]\([^()]*\): (.+)", held)
-            if not words or plain(words[1]) not in " ".join(text.split()):
-                return None, f"{link[2]} has no '{words[1] if words else ''}'"
-        elif not commands or not self.is_command(commands[0]):
+        if words and plain(words[1]) not in " ".join(text.split()):
+            return None, f"{name} has no '{words[1]}'"
+        if not words and not (commands and self.is_command(commands[0])):
             return None, "names no command that is there"
         return text, None
 

@@ -79,6 +79,7 @@ class Claims(unittest.TestCase):
         self.held("| a | b |\n|---|---|\n| 21.5 times | 12.5 m |",
                   "| 21.5 times; 12.5 m | step 21.5 x; row: … 12.5 m | own only | `ls`, [kept](kept.md) | 2026-11-27 |\n")
         self.held("It never fails.", "| never fails | – | own only | [kept](kept.md): here | 2026-11-27 |\n")
+        self.held("It never fails.", "| never fails | – | own only | `README.md`: It never fails | 2026-11-27 |\n")
 
     def test_what_no_row_covers_is_refused(self):
         row = "| takes 3 s | 3 s | own only | `echo It takes 3 s` | 2026-11-27 |\n"
@@ -101,6 +102,8 @@ class Claims(unittest.TestCase):
         self.refused("no command that is there", "It takes 3 s.", row.format("3 s", "`no_such_command`, [kept](kept.md)"))
         self.refused("nowhere.md is not there", "It takes 3 s.", row.format("3 s", "`ls`, [kept](nowhere.md)"))
         self.refused("has no 'there'", "It takes 3 s.", row.format("–", "[kept](kept.md): there"))
+        self.refused("has no 'It runs'", "It takes 3 s.", row.format("–", "`README.md`: It runs"))
+        self.refused("gone.cpp is not there", "It takes 3 s.", row.format("–", "`tests/gone.cpp`: It runs"))
         self.refused("has the oracle", "It takes 3 s.", row.replace("own only", "hope").format("3 s", "`echo 3 s`"))
         self.refused("has no date", "It takes 3 s.", row.replace("2026-11-27", "today").format("3 s", "`echo 3 s`"))
         self.refused("a phrase of one word", "It is all 3.", "| all | – | own only | `true` | 2026-11-27 |\n")
