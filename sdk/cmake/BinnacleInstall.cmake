@@ -39,6 +39,18 @@ foreach(document IN LISTS documents)
   install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION ${BINNACLE_SHARE_FOLDER}/${folder} COMPONENT runtime)
 endforeach()
 
+# Made by the target reference_page, which sdk/run does not build.
+get_property(reference_page GLOBAL PROPERTY BINNACLE_REFERENCE_PAGE)
+if(reference_page)
+  install(CODE "
+    if(EXISTS \"${reference_page}\")
+      file(INSTALL \"${reference_page}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${BINNACLE_SHARE_FOLDER}/sdk/docs\")
+    else()
+      message(STATUS \"Left out, since it is not built: the reference of all types and keys \"
+        \"(cmake --build ${PROJECT_BINARY_DIR} --target reference_page)\")
+    endif()" COMPONENT runtime)
+endif()
+
 # Made by the target help_pages, which sdk/run does not build.
 get_property(help_folder GLOBAL PROPERTY BINNACLE_HELP_FOLDER)
 if(help_folder)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The tree that MkDocs builds the site from: assemble.py ROOT TREE
+"""The tree that MkDocs builds the site from: assemble.py ROOT TREE [REFERENCE]
 
 Pages keep their places below TREE, so that links between them stay as they are; a source file that a page links to becomes
 a page that shows it. TREE/api has the headers' pages already, by api.py. TREE/../mkdocs.yml is ROOT/sdk/site/mkdocs.yml
-with the navigation's patterns filled in and without the pages that there are not. Exit status 1, with a line each, where a
+with the navigation's patterns filled in and without the pages that there are not. REFERENCE, which the build made, becomes
+sdk/docs/reference.md. Exit status 1, with a line each, where a
 link leads nowhere or a page is in no navigation.
 """
 import posixpath
@@ -29,9 +30,10 @@ def pages_of(root):
 
 
 class Tree:
-    def __init__(self, root, tree):
+    def __init__(self, root, tree, made):
         self.root, self.tree, self.problems, self.shown = root, tree, [], set()
-        self.pages = pages_of(root)
+        self.made = made  # {page: its file}, of those that the repository does not have
+        self.pages = sorted({*pages_of(root), *made})
 
     def write(self, name, text):
         path = self.tree / name
@@ -40,7 +42,7 @@ class Tree:
 
     def page(self, name):
         lines, is_code, is_list, is_apart = [], False, False, False
-        for number, line in enumerate((self.root / name).read_text(encoding="utf-8").splitlines(), 1):
+        for number, line in enumerate(self.made.get(name, self.root / name).read_text(encoding="utf-8").splitlines(), 1):
             before = lines[-1] if lines else ""
             is_fence, is_item = bool(re.match(r"\s*```", line)), bool(re.match(r"([-*]|\d+\.) ", line))
             if not is_code:
@@ -132,8 +134,8 @@ class Tree:
         (self.tree.parent / "mkdocs.yml").write_text("\n".join(kept) + "\n", encoding="utf-8")
 
 
-def main(root, tree):
-    tree = Tree(Path(root).resolve(), Path(tree))
+def main(root, tree, reference=None):
+    tree = Tree(Path(root).resolve(), Path(tree), {"sdk/docs/reference.md": Path(reference)} if reference else {})
     for page in tree.pages:
         tree.page(page)
     shutil.copyfile(tree.root / "sdk/site/site.css", tree.tree / "site.css")

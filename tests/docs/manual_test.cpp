@@ -62,7 +62,9 @@ std::set<std::string> options_in(const std::string& page) {
 }
 
 std::vector<std::string> guides() {
-  std::vector<std::string> found{"README", "tutorial", "papers", "live-output"};
+  std::vector<std::string> found{"README", "tutorial", "live-output"};
+  for (const auto& entry : fs::directory_iterator(in_project("sdk/docs/evidence")))
+    found.push_back("evidence/" + entry.path().stem().string());
   for (const auto& verb : verb_pages()) found.push_back("verbs/" + verb);
   return found;
 }
@@ -104,8 +106,8 @@ TEST_CASE("every verb has a page, which names its options and no others") {
 }
 
 TEST_CASE("figures in the page of the papers are those of the configs' READMEs") {
-  std::istringstream stream(text_of(in_project("sdk/docs/papers.md")));
-  static const std::regex source(R"(\((\.\./\.\./configs/[a-z_]+/README\.md)\))"), number(R"([0-9]+\.[0-9]+)");
+  std::istringstream stream(text_of(in_project("sdk/docs/evidence/papers.md")));
+  static const std::regex source(R"(\((\.\./\.\./\.\./configs/[a-z_]+/README\.md)\))"), number(R"([0-9]+\.[0-9]+)");
   std::string readmes;
   int figures = 0;
   bool is_new_section = false;
@@ -114,7 +116,7 @@ TEST_CASE("figures in the page of the papers are those of the configs' READMEs")
     for (std::sregex_iterator at(line.begin(), line.end(), source), end; at != end; ++at) {
       if (is_new_section) readmes.clear();
       is_new_section = false;
-      readmes += text_of(in_project("sdk/docs/" + at->str(1)));
+      readmes += text_of(in_project("sdk/docs/evidence/" + at->str(1)));
     }
     if (line.rfind("| ", 0) != 0) continue;
     for (std::sregex_iterator at(line.begin(), line.end(), number), end; at != end; ++at, ++figures) {
@@ -128,7 +130,7 @@ TEST_CASE("figures in the page of the papers are those of the configs' READMEs")
 
 TEST_CASE("the configs that the page of the papers names are right") {
   const ProjectFolder root;
-  const std::string page = MarkdownFile("sdk/docs/papers.md").text();
+  const std::string page = MarkdownFile("sdk/docs/evidence/papers.md").text();
   const auto configs = matches(page, std::regex(R"((configs/[a-z0-9_/-]+\.json))"));
   REQUIRE(configs.size() >= 10);
   for (const auto& config : configs) {

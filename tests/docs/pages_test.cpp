@@ -41,9 +41,9 @@ std::vector<std::string> pages() {
 
 /// Test cases by what their pages' paths begin with: the first that matches has a page, and the last matches all. Those that
 /// serve the port of configs/live/output.json are one: cases run at the same time.
-const std::vector<std::string> groups{"(configs|sdk/docs)/live", "configs/[a-b]", "configs/[c-f]",
-                                      "configs/[g-l]",           "configs/",      "sdk/docs/verbs/",
-                                      "sdk/docs/[a-l]",          "sdk/docs/",     ""};
+const std::vector<std::string> groups{
+    "(configs|sdk/docs)/live", "configs/[a-b]",      "configs/[c-f]",  "configs/[g-l]", "configs/",
+    "sdk/docs/verbs/",         "sdk/docs/evidence/", "sdk/docs/[a-l]", "sdk/docs/",     ""};
 
 std::string group_of(const std::string& page) {
   return *std::find_if(groups.begin(), groups.end(),
@@ -105,6 +105,9 @@ TEST_CASE("what pages of configs C to F say to type works and prints what they s
 TEST_CASE("what pages of configs G to L say to type works and prints what they show") { type_group("configs/[g-l]"); }
 TEST_CASE("what pages of configs M to Z say to type works and prints what they show") { type_group("configs/"); }
 TEST_CASE("what pages of the verbs say to type works and prints what they show") { type_group("sdk/docs/verbs/"); }
+TEST_CASE("what pages of the evidence say to type works and prints what they show") {
+  type_group("sdk/docs/evidence/");
+}
 TEST_CASE("what pages A to L of the manual say to type works and prints what they show") {
   type_group("sdk/docs/[a-l]");
 }

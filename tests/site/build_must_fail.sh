@@ -43,6 +43,8 @@ copied
 printf '\ndef load(path):\n    return path\n' >>sdk/python/binnacle/_composition.py
 refused "load has no docstring" build
 
+refused "there is no /nowhere/reference.md" sdk/site/build --reference /nowhere/reference.md "$scratch/site"
+
 # A folder with something else in it is left as it is.
 mkdir "$scratch/taken"
 touch "$scratch/taken/file"
