@@ -12,18 +12,37 @@ set(package_folder lib/cmake/Binnacle)
 
 # ---- runtime: the command, the plugins, what `binnacle new plugin` copies
 
+# binnacle_left_out(COMPONENT TARGET WHAT FILE…): sdk/run builds what a run needs. The rest is installed where it was built;
+# where it was not, installing names each file, what it is for, and the target that builds it.
+function(binnacle_left_out component target what)
+  install(CODE "
+    set(missing \"\")
+    foreach(file IN ITEMS ${ARGN})
+      if(NOT EXISTS \"\${file}\")
+        get_filename_component(name \"\${file}\" NAME)
+        list(APPEND missing \"\${name}\")
+      endif()
+    endforeach()
+    list(LENGTH missing count)
+    list(JOIN missing \", \" missing)
+    if(count EQUAL 1)
+      message(STATUS \"Left out, since it is not built: \${missing}, ${what} (cmake --build ${PROJECT_BINARY_DIR} --target ${target})\")
+    elseif(count GREATER 1)
+      message(STATUS \"Left out, since they are not built: \${missing}, ${what} (cmake --build ${PROJECT_BINARY_DIR} --target ${target})\")
+    endif()" COMPONENT ${component})
+endfunction()
+
 install(TARGETS binnacle EXPORT BinnacleTargets RUNTIME DESTINATION bin COMPONENT runtime)
-# sdk/run builds no suite: it is installed where it was built, and missed aloud where not.
-install(TARGETS binnacle-conform RUNTIME DESTINATION bin COMPONENT runtime OPTIONAL)
-install(CODE "
-  if(NOT EXISTS \"$<TARGET_FILE:binnacle-conform>\")
-    message(STATUS \"Left out, since it is not built: binnacle-conform, which `binnacle conform` needs \"
-      \"(cmake --build ${PROJECT_BINARY_DIR} --target binnacle-conform)\")
-  endif()" COMPONENT runtime)
+get_property(verb_modules GLOBAL PROPERTY BINNACLE_VERB_MODULES)
+install(TARGETS ${verb_modules} RUNTIME DESTINATION bin COMPONENT runtime OPTIONAL)
+list(TRANSFORM verb_modules REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+binnacle_left_out(runtime binnacle_verbs "for verbs of the command" ${verb_modules})
 
 get_property(plugins GLOBAL PROPERTY BINNACLE_PLUGINS)
 list(TRANSFORM plugins APPEND _plugin)
-install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
+install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime OPTIONAL)
+list(TRANSFORM plugins REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+binnacle_left_out(runtime binnacle_plugins "for configs with their types" ${plugins})
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime REGEX "/benchmarks/run$" EXCLUDE)
 install(PROGRAMS "${PROJECT_SOURCE_DIR}/configs/benchmarks/run" DESTINATION ${BINNACLE_SHARE_FOLDER}/configs/benchmarks COMPONENT runtime)
@@ -51,7 +70,7 @@ if(reference_page)
     endif()" COMPONENT runtime)
 endif()
 
-# Made by the target help_pages, which sdk/run does not build.
+# Made by the target help_pages.
 get_property(help_folder GLOBAL PROPERTY BINNACLE_HELP_FOLDER)
 if(help_folder)
   # A wildcard finds nothing where nothing was built.
@@ -79,6 +98,13 @@ if(EXISTS "${PROJECT_SOURCE_DIR}/build/site/index.html")
     PATTERN "sitemap.xml*" EXCLUDE)  # for search engines; the packed one has a time in it
 endif()
 
+# ---- mpi: studies on several machines, where there is an MPI
+
+if(TARGET binnacle_mpi)
+  install(TARGETS binnacle_mpi LIBRARY DESTINATION lib/binnacle/mpi COMPONENT mpi OPTIONAL)
+  binnacle_left_out(mpi binnacle_mpi "for studies under mpirun" "$<TARGET_FILE:binnacle_mpi>")
+endif()
+
 # ---- dev: headers, the kernel's library, the CMake package
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/kernel/include/binnacle" "${PROJECT_BINARY_DIR}/kernel/include/binnacle"
@@ -93,20 +119,26 @@ install(CODE "
 install(TARGETS binnacle_headers EXPORT BinnacleTargets INCLUDES DESTINATION include)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/score/include/score" "${PROJECT_SOURCE_DIR}/sdk/document/include/document"
   DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
-# The suite's checkers, for a plugin's own tests: like the suite itself not built by sdk/run.
+# The suite's checkers, for a plugin's own tests.
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/testing/include/binnacle" DESTINATION include COMPONENT dev
   FILES_MATCHING PATTERN "*.hpp")
 install(TARGETS binnacle_testing EXPORT BinnacleTestingTargets
   ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
   INCLUDES DESTINATION include)
-install(TARGETS binnacle_kernel binnacle_score binnacle_smooth binnacle_document EXPORT BinnacleKernelTargets
+binnacle_left_out(dev binnacle_testing "for a plugin's own tests" "$<TARGET_FILE:binnacle_testing>")
+install(TARGETS binnacle_document EXPORT BinnacleDocumentTargets
+  ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
+  INCLUDES DESTINATION include)
+binnacle_left_out(dev binnacle_document "for programs that describe components" "$<TARGET_FILE:binnacle_document>")
+install(TARGETS binnacle_kernel binnacle_score binnacle_smooth EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
-# A program in C needs nothing else of Binnacle, so its library is an export set of its own too; sdk/run does not build it.
+# A program in C needs nothing else of Binnacle, so its library is an export set of its own too.
 install(FILES "${PROJECT_SOURCE_DIR}/sdk/c/include/binnacle.h" DESTINATION include COMPONENT dev)
 install(TARGETS binnacle_c EXPORT BinnacleCTargets
   LIBRARY DESTINATION lib COMPONENT runtime OPTIONAL NAMELINK_COMPONENT dev)
-foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets BinnacleCTargets)
+binnacle_left_out(runtime binnacle_c "for programs in C" "$<TARGET_FILE:binnacle_c>")
+foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets BinnacleDocumentTargets BinnacleCTargets)
   install(EXPORT ${set} NAMESPACE Binnacle:: DESTINATION ${package_folder} COMPONENT dev)
 endforeach()
 

@@ -7,7 +7,7 @@
 #include "score/metric.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"
-#include "study/study.hpp"
+#include "study/variants.hpp"
 
 namespace binnacle::study {
 

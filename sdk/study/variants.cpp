@@ -4,7 +4,7 @@
 
 #include "score/sections.hpp"
 #include "study/section.hpp"
-#include "study/study.hpp"
+#include "study/variants.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::study {

@@ -54,7 +54,9 @@ class Tree:
             log = self.build / "compare.log"
             say(f"building {self.folder} (log: {log})")
             with open(log, "w", encoding="utf-8") as out:
-                commands = [["nice", "cmake", "--build", str(self.build), "-j", str(jobs), "--target", "binnacle", "plugins"]]
+                # Where the command is one program, it has all verbs.
+                targets = ["plugins", "verbs" if (self.folder / "sdk/command/study").is_dir() else "binnacle"]
+                commands = [["nice", "cmake", "--build", str(self.build), "-j", str(jobs), "--target", *targets]]
                 if not (self.build / "build.ninja").exists():
                     commands.insert(0, ["cmake", "--preset", "release"])
                 for command in commands:
@@ -67,9 +69,9 @@ class Tree:
             raise Bad(f"{self.command} is not there")
 
     def programs_digest(self):
-        """Of the command and its plugins, byte for byte."""
+        """Of the command, its modules and its plugins, byte for byte."""
         digest = hashlib.sha256()
-        for path in [self.command] + sorted((self.build / "lib").rglob("*.so")):
+        for path in [self.command] + sorted(self.command.parent.glob("binnacle-*")) + sorted((self.build / "lib").rglob("*.so")):
             digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
         return digest.hexdigest()
 

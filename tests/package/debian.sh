@@ -28,14 +28,14 @@ holds() {
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
   done
 }
-holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so lib/libbinnacle_c.so.1 \
+holds binnacle bin/binnacle bin/binnacle-{conform,describe,inspect,report,study} lib/binnacle/core.so lib/binnacle/csv.so lib/libbinnacle_c.so.1 \
   share/binnacle/{LICENSE,README.md,configs/quickstart.json,sdk/docs/README.md,sdk/template/process/plugin.cpp}
 holds binnacle-dev include/binnacle.h lib/libbinnacle_c.so include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
   lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
 
 # Pages and completion, where they are built.
 if [ -e "$build/help/zsh/_binnacle" ]; then
-  holds binnacle share/man/man1/{binnacle,binnacle-run,binnacle-conform}.1.gz share/bash-completion/completions/binnacle \
+  holds binnacle share/man/man1/binnacle{,-run,-conform,-describe,-inspect,-report,-study}.1.gz share/bash-completion/completions/binnacle \
     share/zsh/vendor-completions/_binnacle
 fi
 

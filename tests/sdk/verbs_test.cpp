@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -49,6 +50,53 @@ TEST_CASE("a wrong command line is exit status 2, with what was meant") {
   const auto nothing = binnacle::test::binnacle(bench, {});
   CHECK(nothing.status == 2);
   CHECK(has(nothing.err, "explain"));
+}
+
+TEST_CASE("a module that was not built is named, with what builds it, and the command does the rest without it") {
+  const Workbench bench;
+  const std::string bin = bench.path("bin");
+  std::filesystem::create_directory(bin);
+  std::filesystem::copy(BINNACLE_TEST_COMMAND, bin);
+  const Start alone{{}, {{"BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS}}, bin + "/binnacle"};
+  const auto lacks = [&](const std::vector<std::string>& words, const std::string& what, const std::string& module) {
+    const auto outcome = binnacle::test::binnacle(bench, words, alone);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err == "error: this build has no " + what + " (" + bin + "/" + module +
+                             " is missing); in a clone, sdk/run --all builds it\n");
+  };
+  const auto all = binnacle::test::binnacle(bench, {"--help"}, alone);
+  CHECK(all.status == 0);
+  CHECK(all.out == binnacle::test::binnacle(bench, {"--help"}).out);
+  for (const std::string verb : {"study", "covariance", "tune", "observe", "allan"})
+    lacks({verb, "good.json"}, "'" + verb + "'", "binnacle-study");
+  for (const std::string verb : {"explain", "list", "describe", "create", "schema", "graph", "new"})
+    lacks({verb, "--help"}, "'" + verb + "'", "binnacle-describe");
+  for (const std::string verb : {"report", "export"}) lacks({verb, "out"}, "'" + verb + "'", "binnacle-report");
+  lacks({"help", "inspect"}, "'inspect'", "binnacle-inspect");
+  lacks({"conform", "plugin.so"}, "'conform'", "binnacle-conform");
+  CHECK(binnacle::test::binnacle(bench, {"run", "good.json", "--quiet"}, alone).status == 0);
+  CHECK(binnacle::test::binnacle(bench, {"check", "good.json"}, alone).status == 0);
+  bench.spoil("\"sources\"", "\"study\": { \"runs\": 2, \"metrics\": [] }, \"sources\"");
+  lacks({"check", "good.json", "bad.json"}, "'check' of a config with \"study\"", "binnacle-study");
+  CHECK(binnacle::test::binnacle(bench, {"rnu"}, alone).err == binnacle::test::binnacle(bench, {"rnu"}).err);
+
+  std::ofstream(bin + "/binnacle-inspect") << "no program";
+  const auto outcome = binnacle::test::binnacle(bench, {"inspect", "fix.csv"}, alone);
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err == "error: " + bin + "/binnacle-inspect cannot be run, which has 'inspect': Permission denied\n");
+}
+
+TEST_CASE("a module takes its own verbs alone") {
+  const Workbench bench;
+  const std::string folder = std::filesystem::path(BINNACLE_TEST_COMMAND).parent_path().string();
+  const Start module{{}, {}, folder + "/binnacle-report"};
+  const auto outcome = binnacle::test::binnacle(bench, {"run", "good.json"}, module);
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err ==
+        "error: binnacle-report is a part of the binnacle command, for 'binnacle report', 'binnacle export'\n");
+  CHECK(binnacle::test::binnacle(bench, {"export", "--help"}, module).out ==
+        binnacle::test::binnacle(bench, {"export", "--help"}).out);
 }
 
 TEST_CASE("the usual words for the version and for help are understood") {
