@@ -11,7 +11,7 @@ endif()
 
 # The precompiled header of all plugins, and of the libraries that they share.
 binnacle_precompiled_headers(binnacle_plugin_precompiled
-  "binnacle/plugin.hpp" "binnacle/geodesy.hpp" "binnacle/jacobian.hpp" <Eigen/Dense> <algorithm> <array> <cmath> <functional> <map> <memory>
+  <binnacle/plugin.hpp> <binnacle/geodesy.hpp> <binnacle/jacobian.hpp> <Eigen/Dense> <algorithm> <array> <cmath> <functional> <map> <memory>
   <optional> <span> <string> <string_view> <vector>)
 binnacle_plugin_compile_options(binnacle_plugin_precompiled)
 target_link_libraries(binnacle_plugin_precompiled PRIVATE Binnacle::headers)
