@@ -10,7 +10,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct CheckVerbOptions {
   std::vector<std::string> configs;
   ConfigOptions config;
   bool json = false;
@@ -24,7 +24,7 @@ int heavier(int a, int b) {
 }
 
 /// Every error of every config, or nothing.
-int check(const Options& options, const WarningsOf& warnings_of, const BeforeCheck& before) {
+int check(const CheckVerbOptions& options, const WarningsOf& warnings_of, const BeforeCheck& before) {
   const LoadOptions load_options = options.config.load_options();
   if (before) before(options.configs, load_options);
   watch_signals("the check is not over");
@@ -51,7 +51,7 @@ int check(const Options& options, const WarningsOf& warnings_of, const BeforeChe
 }  // namespace
 
 Verb add_check(CLI::App& command, const WarningsOf& warnings_of, const BeforeCheck& before) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckVerbOptions>();
   CLI::App* app = add_verb(command, "check");
   app->add_option("CONFIG", options->configs, "Configs")->required();
   options->config.add_to(*app);

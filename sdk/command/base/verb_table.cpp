@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view describe = "binnacle-describe", study = "binnacle-study", inspect = "binnacle-inspect",
                            report = "binnacle-report", conform = "binnacle-conform";
 
-constexpr KnownVerb verbs[] = {
+constexpr KnownVerb all_verbs[] = {
     {"run", "Run a config on its data and print a summary of the errors", ""},
     {"study", "Run the variants of a config many times and print tables of their errors", study},
     {"covariance", "Predict a filter's errors from covariances alone, without data", study},
@@ -43,11 +43,11 @@ constexpr KnownVerb verbs[] = {
 
 }  // namespace
 
-std::span<const KnownVerb> known_verbs() { return verbs; }
+std::span<const KnownVerb> known_verbs() { return all_verbs; }
 
 const KnownVerb* known_verb(std::string_view name) {
-  const auto found = std::ranges::find(verbs, name, &KnownVerb::name);
-  return found == std::end(verbs) ? nullptr : found;
+  const auto found = std::ranges::find(all_verbs, name, &KnownVerb::name);
+  return found == std::end(all_verbs) ? nullptr : found;
 }
 
 CLI::App* add_verb(CLI::App& command, std::string_view name) {

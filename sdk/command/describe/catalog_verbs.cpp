@@ -108,7 +108,7 @@ int list(const ListOptions& options) {
 // ---- describe, create
 
 /// The type that was most likely meant, of any role; "" if none is near.
-std::string nearest(const std::vector<const ComponentType*>& types, const std::string& name) {
+std::string nearest_type(const std::vector<const ComponentType*>& types, const std::string& name) {
   std::vector<std::string> names;
   for (const auto* type : types) {
     const auto& former = type->spec.former_names;
@@ -124,7 +124,7 @@ std::vector<const ComponentType*> types_called(const Catalog& catalog, const std
   for (const auto* type : catalog.types())
     if (type->spec.type == name || type->full_name() == name) types.push_back(type);
   if (!types.empty()) return types;
-  const std::string near = nearest(catalog.types(), name);
+  const std::string near = nearest_type(catalog.types(), name);
   throw UsageError(
       fmt::format("there is no component type '{}'{}", name,
                   near.empty() ? "; `binnacle list` shows all of them" : fmt::format("; did you mean '{}'?", near)));

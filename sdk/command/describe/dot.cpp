@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 
 #include "table.hpp"
+#include "text_of.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::command {
 
 namespace {
-
-std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
 /// A double-quoted DOT string; "\n" in it starts a new line.
 std::string dot_string(const std::string& text) {

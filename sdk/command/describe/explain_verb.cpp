@@ -273,13 +273,13 @@ std::string explanation_text(const Json& explained, const Json& config) {
 
 namespace {
 
-struct Options {
+struct ExplainVerbOptions {
   std::string config_path;
   ConfigOptions config;
   bool json = false;
 };
 
-int explain(const Options& options) {
+int explain(const ExplainVerbOptions& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
   print_diagnostics(composition->warnings());
   const Json explained = document::explain(*composition);
@@ -293,7 +293,7 @@ int explain(const Options& options) {
 }  // namespace
 
 Verb explain_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExplainVerbOptions>();
   CLI::App* app = add_verb(command, "explain");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);

@@ -52,7 +52,7 @@ std::vector<std::string> words_of(const std::string& text) {
 }
 
 /// By its letters, or else one whose name or title has all of its words: "uwb", "gnss-tight".
-std::string nearest(const std::string& name, const std::vector<Example>& examples) {
+std::string nearest_example(const std::string& name, const std::vector<Example>& examples) {
   const std::string spelled = closest(name, wording::names_of(examples));
   const auto words = words_of(name);
   if (!spelled.empty() || words.empty()) return spelled;
@@ -150,7 +150,7 @@ Example example(const std::string& name_or_path) {
   std::error_code error;
   if (fs::is_regular_file(name_or_path, error))
     return {name_or_path, title_of(name_or_path), fs::absolute(name_or_path)};
-  const std::string near = nearest(name_or_path, examples);
+  const std::string near = nearest_example(name_or_path, examples);
   std::string list = listed(examples);
   if (!list.empty()) list.pop_back();  // the last line's end
   throw UsageError(fmt::format("there is no example '{}'{}\n{}", name_or_path,

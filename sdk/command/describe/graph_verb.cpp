@@ -47,7 +47,7 @@ int run_graphviz(std::FILE* in, std::FILE* out) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string contents(std::FILE* file) {
+std::string all_in(std::FILE* file) {
   std::string text;
   char buffer[4096];
   std::rewind(file);
@@ -64,11 +64,11 @@ void write_svg(const std::string& dot, const std::string& path) {
   if (status == not_found)
     throw UsageError("--svg needs Graphviz, and there is no `dot` on the PATH; install it: apt-get install graphviz");
   if (status != 0) throw OutputError(fmt::format("Graphviz' `dot` failed with status {}", status));
-  svg.write(contents(out.get()));
+  svg.write(all_in(out.get()));
   svg.commit();
 }
 
-struct Options {
+struct GraphVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::string svg;
@@ -76,7 +76,7 @@ struct Options {
   bool json = false;
 };
 
-int graph(const Options& options) {
+int graph(const GraphVerbOptions& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
   const Json explained = document::explain(*composition);
   const std::string dot = dot_text(explained);
@@ -99,7 +99,7 @@ int graph(const Options& options) {
 }  // namespace
 
 Verb graph_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<GraphVerbOptions>();
   CLI::App* app = add_verb(command, "graph");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);

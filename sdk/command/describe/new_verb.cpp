@@ -35,7 +35,7 @@ constexpr std::array taken_by_cmake{"all",          "clean",   "edit_cache",
 
 constexpr std::size_t longest_name = 48;  // the guard has room for 63 characters
 
-struct Options {
+struct NewVerbOptions {
   std::string what;
   std::string name;
   std::string kind = "process";
@@ -66,7 +66,7 @@ std::string in_snake_case(const std::string& name) {
   return is_snake_case(result) ? result : "";
 }
 
-void check_kind(const Options& options) {
+void check_kind(const NewVerbOptions& options) {
   if (std::find(kinds.begin(), kinds.end(), options.kind) != kinds.end()) return;
   const std::vector<std::string> names(kinds.begin(), kinds.end());
   const std::string near = closest(options.kind, names);
@@ -166,7 +166,7 @@ std::string prefix_option() {
   return is_plain ? " " + option : " \"" + option + "\"";
 }
 
-int make_plugin(const Options& options) {
+int make_plugin(const NewVerbOptions& options) {
   check_kind(options);
   const fs::path templates = shared_folder("sdk/template", "templates");
   check_name(options.name);
@@ -193,7 +193,7 @@ int make_plugin(const Options& options) {
 }
 
 /// Options of one of the two are not of the other.
-void check_options(const CLI::App& app, const Options& options) {
+void check_options(const CLI::App& app, const NewVerbOptions& options) {
   const std::vector<std::string> of_filter{"--from", "--list"}, of_plugin{"--kind"};
   for (const auto& option : options.what == "filter" ? of_plugin : of_filter)
     if (app.count(option) > 0) throw UsageError(fmt::format("'new {}' has no option {}", options.what, option));
@@ -201,7 +201,7 @@ void check_options(const CLI::App& app, const Options& options) {
     throw UsageError(fmt::format("NAME is missing: binnacle new {} NAME", options.what));
 }
 
-int make(const CLI::App& app, const Options& options) {
+int make(const CLI::App& app, const NewVerbOptions& options) {
   if (options.what != "plugin" && options.what != "filter") {
     const std::string near = closest(options.what, {"plugin", "filter"});
     throw UsageError(fmt::format("there is nothing new called '{}'{}", options.what,
@@ -221,7 +221,7 @@ int make(const CLI::App& app, const Options& options) {
 }  // namespace
 
 Verb new_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<NewVerbOptions>();
   CLI::App* app = add_verb(command, "new");
   app->add_option("WHAT", options->what, "\"filter\" or \"plugin\"")->required();
   app->add_option(

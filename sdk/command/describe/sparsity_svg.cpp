@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "table.hpp"
+#include "text_of.hpp"
 #include "wording/markup.hpp"
 
 namespace binnacle::command {
@@ -17,12 +18,12 @@ namespace {
 
 constexpr double margin = 24, gap = 36;
 constexpr double letter = 6.3;  // width of one at the font's 11 px, about
-constexpr double line = 17;
+constexpr double line_height = 17;
 
 /// Readable on white and on black.
 constexpr const char* hues[] = {"#3b7dd8", "#2f9e63", "#8e63ce", "#d9822b", "#1f9aa8", "#cf4f5f", "#7d8a2e", "#b0609b"};
 
-const char* const style = R"(  <style>
+const char* const svg_style = R"(  <style>
     text { font: 11px system-ui, "DejaVu Sans", sans-serif; fill: #1c2430; }
     .title { font-size: 15px; font-weight: 600; }
     .head { font-size: 13px; font-weight: 600; }
@@ -44,8 +45,6 @@ const char* const style = R"(  <style>
     }
   </style>
 )";
-
-std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
 /// Characters, not bytes.
 double width_of(const std::string& text) {
@@ -134,7 +133,7 @@ class FilterDrawing {
     slope_ = narrowest < 24 ? 60 : 40;
     heads_ = 0;
     for (const auto& block : blocks_) heads_ = std::max(heads_, width_of(block.name) * std::sin(slope_ / 57.3));
-    matrix_top_ = top_ + 2.4 * line + heads_ + 14;
+    matrix_top_ = top_ + 2.4 * line_height + heads_ + 14;
     noise_left_ = left_ + side() + std::max(gap, overhang() + 12);
   }
 
@@ -163,12 +162,12 @@ class FilterDrawing {
   }
 
   void draw() {
-    svg_ += text(margin, top_ + line,
+    svg_ += text(margin, top_ + line_height,
                  fmt::format("Filter {}: {} in the covariance", text_of(filter_, "name"),
                              counted(static_cast<std::size_t>(n_), "row")),
                  "title");
     if (n_ == 0) {
-      right_ = bottom_ = top_ + line;
+      right_ = bottom_ = top_ + line_height;
       return draw_frozen();
     }
     draw_labels();
@@ -232,7 +231,7 @@ class FilterDrawing {
 
   void draw_matrix(double x, const std::string& title, const std::string& kind, const Json& blocks, const char* row_key,
                    const char* column_key) {
-    svg_ += text(x, top_ + 2.3 * line, title, "head");
+    svg_ += text(x, top_ + 2.3 * line_height, title, "head");
     draw_heads(x);
     svg_ += fmt::format("  <rect class=\"panel\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", x,
                         matrix_top_, side(), side());
@@ -309,7 +308,7 @@ class FilterDrawing {
   }
 
   void draw_notes() {
-    bottom_ += 1.6 * line;
+    bottom_ += 1.6 * line_height;
     double x = left_;
     const auto key = [&](const std::string& kind, double width, double height, const std::string& meaning) {
       svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.0f}\" height=\"{:.0f}\" rx=\"1.5\"/>\n",
@@ -328,13 +327,13 @@ class FilterDrawing {
 
   void draw_frozen() {
     if (!frozen_.empty()) {
-      bottom_ += 1.3 * line;
+      bottom_ += 1.3 * line_height;
       const double x = n_ == 0 ? margin : left_;
       const std::string caption = "Frozen, without a row: " + joined(frozen_);
       svg_ += text(x, bottom_, caption, "minor");
       right_ = std::max(right_, x + width_of(caption));
     }
-    bottom_ += line;
+    bottom_ += line_height;
   }
 
   const Json& filter_;
@@ -354,9 +353,9 @@ std::string sparsity_svg(const Json& explained) {
   std::string drawings;
   double bottom = 8, right = 320;
   if (const std::string title = text_of(explained, "title"); !title.empty()) {
-    drawings += text(margin, bottom + line, title, "minor");
+    drawings += text(margin, bottom + line_height, title, "minor");
     right = std::max(right, margin + width_of(title));
-    bottom += line;
+    bottom += line_height;
   }
   for (const auto& filter : explained.at("filters")) {
     const FilterDrawing drawing(filter, bottom + 10);
@@ -368,7 +367,7 @@ std::string sparsity_svg(const Json& explained) {
   return fmt::format(
              "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" "
              "height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n{2}  <rect class=\"paper\" width=\"{0}\" height=\"{1}\"/>\n",
-             width, height, style) +
+             width, height, svg_style) +
          drawings + "</svg>\n";
 }
 

@@ -17,7 +17,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct InspectVerbOptions {
   std::vector<std::string> files;
   ConfigOptions config;
   std::string page, proposal;
@@ -30,7 +30,7 @@ void write_whole(const std::string& path, const std::string& text) {
   file.commit();
 }
 
-int inspect_files(const Options& options) {
+int inspect_files(const InspectVerbOptions& options) {
   auto inspection = inspect::inspect(channels_of(options.files, options.config.load_options(), [] { return true; }));
   if (is_config(options.files.front()))
     inspect::compare_lever_arms(stated_lever_arms(options.files.front(), options.config.load_options()), inspection);
@@ -65,7 +65,7 @@ int inspect_files(const Options& options) {
 }  // namespace
 
 Verb inspect_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InspectVerbOptions>();
   CLI::App* app = add_verb(command, "inspect");
   app->add_option("FILE", options->files, "A config, or data files such as imu.csv gnss.csv")->required();
   options->config.add_to(*app);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportVerbOptions {
   std::string folder, format, output, rate, geoid_separation, origin;
   std::int64_t week = -1, leap_seconds = -1, every = 1;
   convert::Request request;
@@ -59,7 +59,7 @@ convert::Place place_of(const std::string& text) {
   return {number(0, 90) * degree, number(1, 360) * degree, number(2, 1e9), "--origin"};
 }
 
-void read_options(Options& options) {
+void read_options(ExportVerbOptions& options) {
   auto& request = options.request;
   const auto* const found =
       std::find(std::begin(convert::format_names), std::end(convert::format_names), options.format);
@@ -78,12 +78,12 @@ void read_options(Options& options) {
 }
 
 /// DIR/FILTER.kml. What `run` writes by that name, DIR/FILTER.csv, is another file.
-fs::path default_file(const Options& options, const std::string& filter) {
+fs::path default_file(const ExportVerbOptions& options, const std::string& filter) {
   return fs::path(options.folder) / (filter + (options.format == "csv" ? ".export.csv" : "." + options.format));
 }
 
 /// The results themselves stay.
-void guard_results(const Options& options, const results::RunResults& run, const fs::path& file) {
+void guard_results(const ExportVerbOptions& options, const results::RunResults& run, const fs::path& file) {
   std::vector<std::string> names{"run.nc", "summary.json", "config.json", "study.nc", "study.json", "report.html"};
   for (const auto& filter : run.filters) names.push_back(filter.name + ".csv");
   std::error_code ignored;
@@ -106,7 +106,7 @@ Json origin_json(const std::optional<convert::Place>& origin) {
                 : Json(nullptr);
 }
 
-void show(const Options& options, const fs::path& file, const convert::Result& result) {
+void show(const ExportVerbOptions& options, const fs::path& file, const convert::Result& result) {
   if (options.json) {
     print_json({{"file", file.string()},
                 {"format", options.format},
@@ -135,7 +135,7 @@ void show(const Options& options, const fs::path& file, const convert::Result& r
   for (const auto& note : result.notes) print_note(note);
 }
 
-int export_results(Options& options) {
+int export_results(ExportVerbOptions& options) {
   read_options(options);
   const results::RunResults run = read_run(options.folder);
   convert::Result result;
@@ -155,7 +155,7 @@ int export_results(Options& options) {
   return ok;
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(CLI::App& app, ExportVerbOptions& options) {
   app.add_option("DIR", options.folder, "Folder of --out of run")->required();
   app.add_option("--to", options.format, "Format: kml, gpx, pos (RTKLIB), nmea or csv")
       ->required()
@@ -193,7 +193,7 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace
 
 Verb export_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportVerbOptions>();
   CLI::App* app = add_verb(command, "export");
   add_options(*app, *options);
   return {app, [options] { return export_results(*options); }};

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReportVerbOptions {
   std::vector<std::string> folders, pairs;
   std::string output;
   bool json = false;
@@ -30,7 +30,7 @@ void print_page(const fs::path& page, std::size_t bytes) {
   print(fmt::format("{}, {:.1f} MB; open it in a browser\n", page.string(), static_cast<double>(bytes) / 1e6));
 }
 
-int report_one(const Options& options) {
+int report_one(const ReportVerbOptions& options) {
   if (!options.pairs.empty()) throw UsageError("--pair matches filters of several runs; one folder was given");
   const std::string& folder = options.folders.front();
   const fs::path page = options.output.empty() ? report_in(folder) : fs::path(options.output);
@@ -100,7 +100,7 @@ std::string differences_text(const Json& comparison) {
   return table.text();
 }
 
-int report_several(const Options& options) {
+int report_several(const ReportVerbOptions& options) {
   const auto names = names_of(options.folders);
   std::vector<report::NamedRun> runs;
   for (std::size_t i = 0; i < options.folders.size(); ++i)
@@ -133,7 +133,7 @@ int report_several(const Options& options) {
 }  // namespace
 
 Verb report_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportVerbOptions>();
   CLI::App* app = add_verb(command, "report");
   app->add_option("DIR", options->folders, "Folder of --out; several folders: their runs on one page")->required();
   app->add_option("--output", options->output,

@@ -29,7 +29,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct RunVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::string summary;
@@ -86,11 +86,11 @@ bool is_live(const Composition& composition) {
 }
 
 /// Then it ends with results where it is interrupted.
-bool goes_by_clock(const Options& options, const Composition& composition) {
+bool goes_by_clock(const RunVerbOptions& options, const Composition& composition) {
   return options.run.pace > 0 || (options.input.empty() && is_live(composition));
 }
 
-void refuse_pace_of_live(const Options& options, const Composition& composition) {
+void refuse_pace_of_live(const RunVerbOptions& options, const Composition& composition) {
   if (options.run.pace > 0 && is_live(composition))
     throw UsageError("--pace is for recorded data, and a source of this config is live: it has a pace of its own");
 }
@@ -165,7 +165,7 @@ class Watch : public score::RunObserver {
   ProgressLine line_;
 };
 
-Json provenance_of(const Options& options, const Composition& composition) {
+Json provenance_of(const RunVerbOptions& options, const Composition& composition) {
   Json all = provenance(composition.catalog(),
                         fmt::format("binnacle run {}{}{} --seed {} --run {}", shell_quoted(options.config_path),
                                     options.config.as_typed(), options.smooth ? " --smooth" : "", options.run.seed,
@@ -178,7 +178,7 @@ Json provenance_of(const Options& options, const Composition& composition) {
 
 /// What a run leaves behind. Both are opened before the run, so that a bad name is reported at once.
 struct Outputs {
-  Outputs(const Options& options, const Composition& composition) {
+  Outputs(const RunVerbOptions& options, const Composition& composition) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
     if (!options.record_input.empty()) input = std::make_unique<InputWriter>(options.record_input, composition);
     if (!options.out.empty())
@@ -197,7 +197,7 @@ struct Outputs {
   std::unique_ptr<InputWriter> input;
 };
 
-score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
+score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const RunVerbOptions& options,
                              const Outputs& outputs, live::RunPage* page, Diagnostics& shown) {
   RunRecorder* const recorder = outputs.recorder.get();
   std::unique_ptr<RecordJournal> journal;
@@ -226,7 +226,7 @@ score::RunResult watched_run(const std::shared_ptr<const Composition>& compositi
 }
 
 /// Null where none is asked for. Its address goes to stderr, `--quiet` or not: port 0 is known by nothing else.
-std::unique_ptr<live::RunPage> served_page(const Options& options, const Composition& composition) {
+std::unique_ptr<live::RunPage> served_page(const RunVerbOptions& options, const Composition& composition) {
   if (!options.page) return nullptr;
   try {
     auto page = std::make_unique<live::RunPage>(*options.page, Json::parse(composition.config()),
@@ -258,7 +258,7 @@ Diagnostics losses(const Diagnostics& warnings) {
   return lost;
 }
 
-int run_config(Options& options) {
+int run_config(RunVerbOptions& options) {
   options.formats = options.records.formats();
   options.checkpoints.open();
   watch_signals("nothing was written" + options.checkpoints.advice());
@@ -303,7 +303,7 @@ int run_config(Options& options) {
 }  // namespace
 
 Verb run_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RunVerbOptions>();
   CLI::App* app = add_verb(command, "run");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);

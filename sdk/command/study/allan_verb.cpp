@@ -14,7 +14,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct AllanVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::string channel, picture;
@@ -23,7 +23,7 @@ struct Options {
   bool json = false;
 };
 
-int allan_of(const Options& options) {
+int allan_of(const AllanVerbOptions& options) {
   watch_signals("nothing was written");
   std::unique_ptr<AtomicFile> picture;
   if (!options.picture.empty()) picture = std::make_unique<AtomicFile>(options.picture);
@@ -53,7 +53,7 @@ int allan_of(const Options& options) {
 }  // namespace
 
 Verb allan_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<AllanVerbOptions>();
   CLI::App* app = add_verb(command, "allan");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);

@@ -17,7 +17,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct CovarianceVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::string summary;
@@ -35,7 +35,7 @@ int tell_failures(const Json& summary) {
   return failures;
 }
 
-int analyse(const Options& options) {
+int analyse(const CovarianceVerbOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   watch_signals("nothing was written");
   const LoadOptions load = options.config.load_options();
@@ -71,7 +71,7 @@ int analyse(const Options& options) {
 }  // namespace
 
 Verb covariance_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CovarianceVerbOptions>();
   CLI::App* app = add_verb(command, "covariance");
   app->add_option("CONFIG", options->config_path, "Config with the section \"covariance\"")->required();
   options->config.add_to(*app);

@@ -22,7 +22,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct ObserveVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::vector<std::string> windows;
@@ -57,7 +57,7 @@ class Watch final : public score::RunObserver {
   std::deque<StepObservers> both_;
 };
 
-Json provenance_of(const Options& options, const Composition& composition) {
+Json provenance_of(const ObserveVerbOptions& options, const Composition& composition) {
   std::string windows;
   for (const auto& window : options.windows) windows += " --window " + shell_quoted(window);
   Json all = provenance(composition.catalog(),
@@ -69,7 +69,7 @@ Json provenance_of(const Options& options, const Composition& composition) {
   return all;
 }
 
-std::vector<observe::Window> windows_of(const Options& options, const Composition& composition) {
+std::vector<observe::Window> windows_of(const ObserveVerbOptions& options, const Composition& composition) {
   if (options.windows.empty()) return {observe::whole_run()};
   std::vector<observe::Window> windows;
   for (const auto& text : options.windows) {
@@ -92,7 +92,7 @@ void leave_in_folder(RunRecorder& recorder, Json summary, const Json& filters, c
   recorder.commit(summary, Json::parse(composition.config()));
 }
 
-int observe_config(const Options& options) {
+int observe_config(const ObserveVerbOptions& options) {
   watch_signals("nothing was written");
   const LoadOptions load_options = options.config.load_options(options.config_path);
   const auto composition = score::load(options.config_path, load_options);
@@ -126,7 +126,7 @@ int observe_config(const Options& options) {
 }  // namespace
 
 Verb observe_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ObserveVerbOptions>();
   CLI::App* app = add_verb(command, "observe");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);

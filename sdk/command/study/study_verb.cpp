@@ -37,7 +37,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct StudyVerbOptions {
   std::string config_path;
   ConfigOptions config;
   std::optional<int> runs;
@@ -92,7 +92,7 @@ class ProgressLine {
 
 /// What a study leaves behind. Places are looked at before the first run, so that a bad name is reported at once.
 struct Outputs {
-  Outputs(const Options& options, const study::Study& study, study::Results& results) {
+  Outputs(const StudyVerbOptions& options, const study::Study& study, study::Results& results) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
     if (options.out.empty()) return;
     folder = options.out;
@@ -166,7 +166,7 @@ struct Outputs {
 };
 
 /// The command that repeats one run alone.
-std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant,
+std::string repeated_by(const StudyVerbOptions& options, const study::Study& study, const study::Variant& variant,
                         std::size_t run) {
   std::string line = "binnacle run " + shell_quoted(options.config_path);
   if (!variant.patches.empty()) line += " --variant " + shell_quoted(variant.name);
@@ -182,7 +182,7 @@ bool any_lost(const study::Study& study, const study::Results& results) {
 }
 
 /// Runs that broke: the first few by name and number, then how many there are.
-std::size_t tell_failures(const Options& options, const study::Study& study, const study::Results& results) {
+std::size_t tell_failures(const StudyVerbOptions& options, const study::Study& study, const study::Results& results) {
   constexpr std::size_t most_shown = 10;
   std::size_t failures = 0;
   for (std::size_t v = 0; v < study.variants().size(); ++v)
@@ -206,7 +206,7 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
 bool goes_on() { return interrupted_by() == 0; }
 
 /// False when it was interrupted.
-bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options,
+bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const StudyVerbOptions& options,
                study::Coordinator* coordinator, int jobs) {
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
@@ -224,23 +224,23 @@ bool carry_out(const study::Study& study, study::Results& results, Outputs& outp
   return progress.done() == all;
 }
 
-study::Study load(const Options& options) {
+study::Study load(const StudyVerbOptions& options) {
   return study::Study::load(options.config_path, {options.config.load_options(), options.runs, options.seed});
 }
 
 /// What an interrupted study leaves.
-std::string left(const Options& options) {
+std::string kept_of(const StudyVerbOptions& options) {
   return options.out.empty() ? "nothing was written (with --out DIR a study continues where it stopped)"
                              : "the same command continues from here";
 }
 
 /// mpirun ends all of its processes when one of them dies, so this may be how the others learn of it.
-std::string interruption(const Options& options, bool is_led) {
-  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") + "; " + left(options);
+std::string interruption(const StudyVerbOptions& options, bool is_led) {
+  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") + "; " + kept_of(options);
 }
 
 /// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
-void announce_workers(const Options& options, const study::Team& team, const study::Coordinator& coordinator,
+void announce_workers(const StudyVerbOptions& options, const study::Team& team, const study::Coordinator& coordinator,
                       int jobs) {
   if (!options.quiet)
     to_stderr(fmt::format("{}, {}{}", counted(static_cast<std::size_t>(team.size()), "rank"),
@@ -249,7 +249,7 @@ void announce_workers(const Options& options, const study::Team& team, const stu
 }
 
 /// A rank other than 0: does runs and says nothing.
-int serve(study::Team& team, const Options& options, int jobs, const study::Timeouts& timeouts) {
+int serve(study::Team& team, const StudyVerbOptions& options, int jobs, const study::Timeouts& timeouts) {
   watch_signals("rank 0 has what is finished");
   const bool is_complete = study::serve(
       team, [&options] { return load(options); }, jobs, goes_on, timeouts);
@@ -258,7 +258,7 @@ int serve(study::Team& team, const Options& options, int jobs, const study::Time
   return ok;
 }
 
-int run_study(const Options& options) {
+int run_study(const StudyVerbOptions& options) {
   const auto begin = Clock::now();
   const study::Timeouts timeouts = team_timeouts();
   const auto team = join_team(timeouts);
@@ -266,7 +266,7 @@ int run_study(const Options& options) {
   if (team && team->rank() > 0) return serve(*team, options, jobs, timeouts);
   std::optional<study::Coordinator> coordinator;
   if (team) coordinator.emplace(*team, timeouts);
-  watch_signals(left(options));
+  watch_signals(kept_of(options));
   const auto study = coordinator ? coordinator->load([&options] { return load(options); }) : load(options);
   watch_exit();  // again, now that the plugins are loaded
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
@@ -306,7 +306,7 @@ int run_study(const Options& options) {
 }  // namespace
 
 Verb study_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StudyVerbOptions>();
   CLI::App* app = add_verb(command, "study");
   app->add_option("CONFIG", options->config_path, "Config with the section \"study\"")->required();
   options->config.add_to(*app);

@@ -18,7 +18,7 @@ namespace binnacle::command {
 
 namespace {
 
-struct Options {
+struct TuneVerbOptions {
   std::string config_path;
   ConfigOptions config;
   tune::TuneOptions tune;
@@ -27,7 +27,7 @@ struct Options {
   bool json = false, quiet = false;
 };
 
-int tune_config(const Options& options) {
+int tune_config(const TuneVerbOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   watch_signals("nothing was written");
   const tune::Plan plan = tune::read_plan(options.config_path, options.config.load_options());
@@ -74,7 +74,7 @@ int tune_config(const Options& options) {
 }  // namespace
 
 Verb tune_verb(CLI::App& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TuneVerbOptions>();
   CLI::App* app = add_verb(command, "tune");
   app->add_option("CONFIG", options->config_path, "Config with the section \"tune\"")->required();
   options->config.add_to(*app);
