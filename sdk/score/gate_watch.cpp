@@ -13,8 +13,8 @@ using namespace wording;
 
 namespace {
 
-constexpr double rare_probability = 1e-6;  // probability of so many refusals, if all samples are right
-constexpr double far_from_it = 0.1;   // NIS over its limit
+constexpr double rare_probability = 1e-6;     // probability of so many refusals, if all samples are right
+constexpr double far_from_it = 0.1;           // NIS over its limit
 constexpr std::int64_t enough_offered = 100;  // samples
 
 std::string percent(double share) {
