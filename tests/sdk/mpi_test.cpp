@@ -255,6 +255,7 @@ TEST_CASE("several processes that cannot find each other do not all do the same 
   Start lone;
   lone.program = bench.path("bin/binnacle");  // where there is no module beside it
   fs::copy_file(BINNACLE_TEST_COMMAND, lone.program);
+  fs::copy_file(BINNACLE_TEST_COMMAND "-study", lone.program + "-study");
   for (const auto& [size, rank] :
        {std::pair("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), std::pair("PMI_SIZE", "PMI_RANK"),
         std::pair("SLURM_STEP_NUM_TASKS", "SLURM_PROCID")}) {
@@ -271,9 +272,12 @@ TEST_CASE("several processes that cannot find each other do not all do the same 
 }
 
 TEST_CASE("a command that was not started by mpirun has nothing of MPI in it") {
-  std::ifstream file(BINNACLE_TEST_COMMAND, std::ios::binary);
-  const std::string program{std::istreambuf_iterator<char>(file), {}};
-  CHECK_FALSE(has(program, "libmpi.so"));
+  for (const char* name : {BINNACLE_TEST_COMMAND, BINNACLE_TEST_COMMAND "-study"}) {
+    std::ifstream file(name, std::ios::binary);
+    const std::string program{std::istreambuf_iterator<char>(file), {}};
+    CHECK_FALSE(program.empty());
+    CHECK_FALSE(has(program, "libmpi.so"));
+  }
 }
 
 TEST_CASE("memory does not grow with the number of runs") {

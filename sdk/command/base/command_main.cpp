@@ -39,16 +39,12 @@ struct Program {
   }
 };
 
-/// A verb of a module, for the list of --help, and where words stand before it.
-Verb listed_verb(CLI::App& command, const KnownVerb& known) {
-  CLI::App* app = add_verb(command, known.name);
+/// A verb of a module, for the list of --help: named first it is handed over before, and words in front of it are refused.
+Verb listed_verb(CLI::App& command, std::string_view name) {
+  CLI::App* app = add_verb(command, name);
   app->prefix_command();  // everything that follows is the module's
   app->set_help_flag();
-  return {app, [app, &known]() -> int {
-            std::vector<std::string> words = app->remaining();
-            words.insert(words.begin(), std::string(known.name));
-            hand_over(known, std::move(words));
-          }};
+  return {app, nullptr};
 }
 
 /// The verb that is named first, and only it: the options of all cost more than `version` does. Else all of them.
@@ -59,7 +55,7 @@ std::vector<Verb> add_verbs(CLI::App& command, const Program& program, std::stri
   } else {
     for (const auto& known : known_verbs()) {
       const OwnVerb* own = program.find(known.name);
-      verbs.push_back(own ? own->add(command) : listed_verb(command, known));
+      verbs.push_back(own ? own->add(command) : listed_verb(command, known.name));
     }
   }
   // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
