@@ -133,14 +133,13 @@ def measured(build):
 
 
 def seconds_of(line, lines, tests, cases):
+    """Of all that the line names."""
     if line.executable:
         return sum(time for case, time in cases.get(line.executable, {}).items() if matches(case, line.case_pattern))
-    total = 0.0
-    for test, time in tests.items():
-        if line.takes(test):
-            total += sum(cases[test].values()) if test in cases else time
-    own = [other for other in lines if other.executable == line.pattern]
-    return total - sum(seconds_of(other, lines, tests, cases) for other in own)
+    if line.pattern in cases:  # all cases but those that have lines of their own
+        own = [other.case_pattern for other in lines if other.executable == line.pattern]
+        return sum(time for case, time in cases[line.pattern].items() if not any(matches(case, pattern) for pattern in own))
+    return sum(time for test, time in tests.items() if line.takes(test))
 
 
 def show(lines, build):

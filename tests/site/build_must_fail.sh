@@ -14,7 +14,7 @@ copied() {
   mkdir -p "$scratch/copy/kernel" "$scratch/copy/sdk"
   cp -r -- "$project"/*.md "$project"/LICENSE "$project/configs" "$project/plugins" "$scratch/copy"
   cp -r -- "$project"/kernel/{include,DESIGN.md} "$scratch/copy/kernel"
-  cp -r -- "$project"/sdk/{docs,examples,site,testing,c,template,python,packages.txt,setup.sh} "$scratch/copy/sdk"
+  cp -r -- "$project"/sdk/{docs,examples,site,testing,c,template,python,packages.txt,setup.sh,progress.sh} "$scratch/copy/sdk"
   mkdir "$scratch/copy/tests"
   cd "$scratch/copy"
 }

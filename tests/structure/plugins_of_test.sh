@@ -26,7 +26,7 @@ says() {
 # with_plugins NAME…: the command sees these and no others.
 with_plugins() {
   local plugin
-  rm -rf -- "$scratch/lib"
+  rm -rf -- "${scratch:?}/lib"
   mkdir -p "$scratch/lib/binnacle"
   for plugin; do cp -l "$build/lib/binnacle/$plugin.so" "$scratch/lib/binnacle"; done
 }
