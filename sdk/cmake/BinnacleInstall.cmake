@@ -58,7 +58,7 @@ foreach(document IN LISTS documents)
   install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION ${BINNACLE_SHARE_FOLDER}/${folder} COMPONENT runtime)
 endforeach()
 
-# Made by the target reference_page, which sdk/run does not build.
+# Made by the target reference_page, which sdk/run CONFIG does not build.
 get_property(reference_page GLOBAL PROPERTY BINNACLE_REFERENCE_PAGE)
 if(reference_page)
   install(CODE "
