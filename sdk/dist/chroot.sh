@@ -85,7 +85,7 @@ chroot_base() {
       tail -n 20 "$chroot_kept/$name.log" >&2
       echo "binnacle: no Debian $1 could be made (log: $chroot_kept/$name.log)" >&2
     fi
-    chroot_remove "$folder"
+    chroot_remove "$folder" 9>&- &  # it has many files, and nobody waits for that
     [ -e "$chroot_kept/$name.tar" ]
   ) 9>"$chroot_kept/$name.lock" >&2 || return 1
   echo "$chroot_kept/$name.tar"
