@@ -11,9 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "binnacle/testing.hpp"
+#include <nlohmann/json.hpp>
+
+#include "binnacle/bind.hpp"
 #include "csv/csv_source.hpp"
-#include "plugins/parameter_values.hpp"
 
 #if __has_include(<fast_float/fast_float.h>)
 #include <fast_float/fast_float.h>
@@ -21,7 +22,6 @@
 #endif
 
 using namespace binnacle;
-using namespace binnacle::parameter_values;
 
 namespace {
 
@@ -38,18 +38,11 @@ struct NoReports : Reporter {
 };
 
 double sum_by_source(const std::string& path) {
-  const auto column = [](const char* name) {
-    return object({{"column", text(name)}, {"unit", unit("1")}, {"kind", text("rate")}});
-  };
-  std::vector<std::pair<std::string, ParameterValue>> columns;
-  for (const char* name : {"wx", "wy", "wz", "fx", "fy", "fz"}) columns.emplace_back(name, column(name));
-  csv::CsvSource source(bind(object({{"path", text(path)},
-                                     {"columns", object(std::move(columns))},
-                                     {"time", object({{"unit", unit("s")}, {"offset", instant(0)}})},
-                                     {"delimiter", text(",")},
-                                     {"comment", text("#")},
-                                     {"header", boolean(true)},
-                                     {"invalid_rows", text("error")}})));
+  nlohmann::ordered_json columns;
+  for (const char* name : {"wx", "wy", "wz", "fx", "fy", "fz"})
+    columns[name] = {{"column", name}, {"unit", "1"}, {"kind", "rate"}};
+  const auto bound = testing::bind<csv::CsvSource>({nlohmann::ordered_json{{"path", path}, {"columns", columns}}});
+  csv::CsvSource& source = *bound;
   NoReports reports;
   source.open(reports);
   std::uint64_t next = 0;

@@ -18,6 +18,8 @@
 #include "rinex/rinex_source.hpp"
 #include "score/run.hpp"
 
+namespace beidou_test {
+
 using namespace binnacle;
 using namespace binnacle::gnss;
 using Eigen::Vector3d;
@@ -198,3 +200,5 @@ TEST_CASE("a receiver is found by BeiDou, alone and with GPS, and RTKLIB finds i
   CHECK(most < 0.01);
   std::printf("BeiDou alone, by RTKLIB: %.4f m\n", most);
 }
+
+}  // namespace beidou_test

@@ -11,11 +11,12 @@
 #include "../../plugins/gnss_range/pseudorange.hpp"
 #include "../../plugins/gnss_range/range_rate.hpp"
 #include "../plugins/bind.hpp"
-#include "../plugins/kind_blocks.hpp"
 #include "../plugins/model_check.hpp"
 #include "catch.hpp"
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
+
+namespace given_test {
 
 using namespace binnacle;
 using namespace binnacle::gnss_range;
@@ -363,3 +364,5 @@ TEST_CASE("wild numbers in any field of a given row are refused or give finite r
       CHECK(out.empty());
     }
 }
+
+}  // namespace given_test

@@ -9,10 +9,11 @@
 #include "../../plugins/gnss_range/geodetic_track.hpp"
 #include "../../plugins/gnss_range/ned_pv.hpp"
 #include "../plugins/bind.hpp"
-#include "../plugins/kind_blocks.hpp"
 #include "../plugins/model_check.hpp"
 #include "catch.hpp"
 #include "strapdown/earth.hpp"
+
+namespace local_models_test {
 
 using namespace binnacle;
 using namespace binnacle::gnss_range;
@@ -110,3 +111,5 @@ TEST_CASE("a geodetic track is where its ECEF positions are") {
   fields[1] = std::nan("");
   CHECK(caller.on(0, sample, memory.data()).samples.empty());
 }
+
+}  // namespace local_models_test

@@ -9,12 +9,13 @@
 #include "../../plugins/gnss_range/range_rate.hpp"
 #include "../../plugins/gnss_range/single_point.hpp"
 #include "../plugins/bind.hpp"
-#include "../plugins/kind_blocks.hpp"
 #include "../plugins/model_check.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
+
+namespace models_test {
 
 using namespace binnacle;
 using namespace binnacle::gnss_range;
@@ -524,3 +525,5 @@ TEST_CASE("without four satellites there is no single-point solution, without ra
   CHECK(s.ecef[3] == 0);
   CHECK(s.P(3, 3) == 2500);
 }
+
+}  // namespace models_test

@@ -16,6 +16,8 @@
 #include "rinex/navigation_file.hpp"
 #include "strapdown/earth.hpp"
 
+namespace oracle_test {
+
 using namespace binnacle;
 using namespace binnacle::gnss;
 
@@ -173,3 +175,5 @@ TEST_CASE("Galileo's two clocks are one on E1, each with its own group delay") {
   CHECK(pairs >= 96);
   CHECK(rms < 0.15);  // 1.08 m with the other delay
 }
+
+}  // namespace oracle_test

@@ -18,6 +18,8 @@
 #include "score/run.hpp"
 #include "strapdown/earth.hpp"
 
+namespace recorded_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using Eigen::Vector3d;
@@ -396,3 +398,5 @@ TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, report
   CHECK(ranges.at("left_out").at("by_key") == nlohmann::ordered_json({{"111", 40}}));
   CHECK(gps.at("reference").at("position.distance").at("rms").get<double>() < 1.25 * static_errors(*data, "0759").rms);
 }
+
+}  // namespace recorded_test

@@ -17,6 +17,8 @@
 #include "catch.hpp"
 #include "gnss/channels.hpp"
 
+namespace rinex_test {
+
 using namespace binnacle;
 using namespace binnacle::rinex;
 using nlohmann::json;
@@ -490,3 +492,5 @@ TEST_CASE("files that are none are refused, with name and line") {
   CHECK(refusal(o, nav) == "nothing");
   REQUIRE_THROWS_AS(test::bind<RinexSource>({json::object(), {}, {}}), ComponentError);
 }
+
+}  // namespace rinex_test

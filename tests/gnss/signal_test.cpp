@@ -11,6 +11,8 @@
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
 
+namespace signal_test {
+
 using namespace binnacle;
 using namespace binnacle::gnss;
 using Eigen::Vector3d;
@@ -180,3 +182,5 @@ TEST_CASE("azimuth and elevation") {
   CHECK(std::abs(seen(0, -1, 0).azimuth - 3 * M_PI / 2) < 1e-12);
   CHECK(std::abs(seen(0, 1, -1).elevation - M_PI / 4) < 1e-12);
 }
+
+}  // namespace signal_test

@@ -15,6 +15,8 @@
 #include "strapdown/earth.hpp"
 #include "text/text_file.hpp"
 
+namespace smartloc_test {
+
 using namespace binnacle;
 using Eigen::Vector3d;
 using nlohmann::ordered_json;
@@ -123,3 +125,5 @@ TEST_CASE("smartLoc: a car in a street canyon, without odometry and with it", "[
   CHECK(odometry.at("rms").get<double>() <= 28.0);
   CHECK(odometry.at("rms").get<double>() < alone.at("rms").get<double>());
 }
+
+}  // namespace smartloc_test

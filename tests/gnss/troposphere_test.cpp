@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "gnss/atmosphere.hpp"
 
+namespace troposphere_test {
+
 using namespace binnacle::gnss;
 
 namespace {
@@ -65,3 +67,5 @@ TEST_CASE("the season of the mapping is the hemisphere's own") {
   CHECK(std::abs(at(-45, 28) - at(45, 28 + 365.25 / 2)) < 1e-12);
   CHECK(at(10, 28) == at(10, 210));  // none in the tropics
 }
+
+}  // namespace troposphere_test

@@ -15,11 +15,12 @@
 #include "adaptive_noise/beta_adapter.hpp"
 #include "adaptive_noise/innovation_window.hpp"
 #include "adaptive_noise/sage_husa.hpp"
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "config/document.hpp"
 #include "random/normal.hpp"
-#include "spec/check.hpp"
+
+namespace adaptive_noise_test {
 
 using namespace binnacle;
 using namespace binnacle::adaptive_noise;
@@ -36,12 +37,7 @@ NoiseBinding single(int rows) { return {rows, {{"rows", "m"}}}; }
 
 template <class Estimator>
 std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
-  Diagnostics diagnostics;
-  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
-  const ParameterValue value = Reader(document, diagnostics).parameters(Estimator::spec().parameters, "estimator");
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return std::make_unique<Estimator>(Binding({"fix", Parameters(value)}), noise);
+  return binnacle::testing::bind<Estimator>({.parameters = config, .noise = noise});
 }
 
 /// An estimator with its memory, used as the kernel uses it.
@@ -382,3 +378,5 @@ TEST_CASE("adaptive noise: their examples are accepted") {
   make<SageHusa>(Json::parse(SageHusa::spec().example), single(2));
   make<InnovationWindow>(Json::parse(InnovationWindow::spec().example), single(2));
 }
+
+}  // namespace adaptive_noise_test

@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "strapdown/earth.hpp"
 
+namespace aiding_simulator_test {
+
 using namespace binnacle;
 using namespace binnacle::aiding_simulator;
 using namespace binnacle::test;
@@ -173,3 +175,5 @@ TEST_CASE("aiding_simulator: perfect is without any error, the noise of others a
   for (const auto& reading : all.at("height")) CHECK(reading[0] == 100);
   for (const auto& reading : all.at("body_velocity")) CHECK((triple(reading) - body.v_n).norm() < 1e-15);
 }
+
+}  // namespace aiding_simulator_test

@@ -16,9 +16,10 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace aiding_test {
 
 using namespace binnacle;
 using namespace binnacle::aiding;
@@ -418,3 +419,5 @@ TEST_CASE("body_velocity: an axis that is not there is not needed, one that is m
                                       no_velocity_sd}),
                   ComponentError);
 }
+
+}  // namespace aiding_test

@@ -2,6 +2,7 @@
 // Coarse alignment for tests: the transform with its memory, and a vehicle that rests, turns and drives.
 #pragma once
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
 #include <Eigen/Dense>
@@ -16,13 +17,13 @@
 
 #include "catch.hpp"
 #include "coarse_alignment/coarse_alignment.hpp"
-#include "parameter_values.hpp"
+#include "json_members.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::aligner {
 
-using namespace binnacle::parameter_values;
+using namespace binnacle::json_members;
 using binnacle::coarse_alignment::CoarseAlignment;
 namespace sd = binnacle::strapdown;
 using Eigen::Matrix3d;
@@ -36,22 +37,22 @@ inline const double omega = sd::wgs84::omega_ie;
 
 inline double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
 
-inline ParameterValue defaults(const std::string& heading) {
-  return object({{"heading", text(heading)},
-                 {"sigma_heading", number(1 * deg)},
-                 {"duration", instant(2)},
-                 {"max_specific_force_sd", number(0.15)},
-                 {"max_rate_sd", number(0.5 * deg)},
-                 {"max_rate", number(3 * deg)},
-                 {"max_gravity_error", number(0.5)},
-                 {"max_speed", number(0.3)},
-                 {"min_speed", number(3)},
-                 {"max_turn_rate", number(10 * deg)},
-                 {"slip_lever_arm", number(1.5)},
-                 {"max_coast", instant(120)},
-                 {"accelerometer_bias", number(0.01 * g)},
-                 {"gyro_drift", number(0.01 * deg)},
-                 {"gyro_misalignment", number(0.005)}});
+inline Json defaults(const std::string& heading) {
+  return object({{"heading", heading},
+                 {"sigma_heading", 1 * deg},
+                 {"duration", 2},
+                 {"max_specific_force_sd", 0.15},
+                 {"max_rate_sd", 0.5 * deg},
+                 {"max_rate", 3 * deg},
+                 {"max_gravity_error", 0.5},
+                 {"max_speed", 0.3},
+                 {"min_speed", 3},
+                 {"max_turn_rate", 10 * deg},
+                 {"slip_lever_arm", 1.5},
+                 {"max_coast", 120},
+                 {"accelerometer_bias", 0.01 * g},
+                 {"gyro_drift", 0.01 * deg},
+                 {"gyro_misalignment", 0.005}});
 }
 
 struct Output {
@@ -67,7 +68,7 @@ struct Outputs {
 /// The transform with its memory and what it has emitted.
 class Aligner {
  public:
-  explicit Aligner(const ParameterValue& parameters) : transform_(bind_as<CoarseAlignment>(parameters)) {
+  explicit Aligner(const Json& parameters) : transform_(testing::BoundTo(spec_, {parameters}).binding()) {
     memory = binnacle::testing::TransformCaller(transform_, spec_).fresh_memory(1);
   }
   void imu(Time t0, Time t, const Vector3d& w, const Vector3d& f) {

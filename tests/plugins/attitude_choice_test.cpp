@@ -10,6 +10,8 @@
 #include "inertial_bench.hpp"
 #include "simulation/quadrature.hpp"
 
+namespace attitude_choice_test {
+
 using namespace binnacle;
 using namespace binnacle::test;
 using attitude_only::AttitudeOnly;
@@ -264,3 +266,5 @@ TEST_CASE("attitude alone: noise, rest, memory", "[attitude]") {
     CHECK((phi - C * vector_at<3>(step.samples[0].fields)).norm() < 1e-4 * phi.norm());
   }
 }
+
+}  // namespace attitude_choice_test

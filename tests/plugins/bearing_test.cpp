@@ -9,10 +9,11 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace bearing_test {
 
 using namespace binnacle;
 using namespace binnacle::aiding;
@@ -187,3 +188,5 @@ TEST_CASE("bearing: what has no direction is refused", "[aiding]") {
   CHECK_THROWS_AS(bind<Bearing>({{{"sigma", 0.01}}, {{"target", &target}}, {"elevation", "observer_east"}}),
                   ComponentError);
 }
+
+}  // namespace bearing_test

@@ -11,10 +11,11 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace clone_test {
 
 using namespace binnacle;
 using namespace binnacle::clone;
@@ -570,3 +571,5 @@ TEST_CASE("displacement: a path without position, or without the attitude that i
   CHECK_THROWS_AS(bind<Displacement>({{{"every", 1}}, {}, {"x", "y", "z", "yaw"}}), ComponentError);
   CHECK_NOTHROW(bind<Displacement>({{{"every", 1}, {"frame", "navigation"}}, {}, {"x", "y", "z", "yaw"}}));
 }
+
+}  // namespace clone_test

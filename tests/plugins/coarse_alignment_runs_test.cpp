@@ -12,6 +12,8 @@
 #include "aligner.hpp"
 #include "csv/csv_source.hpp"
 
+namespace coarse_alignment_runs_test {
+
 using namespace binnacle;
 using namespace binnacle::aligner;
 
@@ -47,7 +49,7 @@ TEST_CASE("alignment: Monte Carlo, errors are as large as the covariances say") 
     drive.euler = Vector3d(10, -40, 7 * i % 360 - 180) * deg;
     drive.accelerometer_bias = of.draw(0.01 * g);
     drive.accelerometer_noise = 0.01;
-    Aligner aligner(with(defaults("given"), "yaw", number(drive.euler.z() + 1 * deg * of.normal(of.generator))));
+    Aligner aligner(with_member(defaults("given"), "yaw", drive.euler.z() + 1 * deg * of.normal(of.generator)));
     drive.run(aligner);
     return nees(aligner.out.attitudes.at(0), drive.euler);
   });
@@ -63,8 +65,8 @@ TEST_CASE("alignment: Monte Carlo, errors are as large as the covariances say") 
     drive.gyro_drift = of.draw(0.05 * deg);
     drive.gyro_noise = 0.1 * deg;
     drive.velocity_noise = 0.05;
-    auto parameters = with(with(defaults("course"), "sigma_heading", number(0)), "velocity_sd", number(0.05));
-    Aligner aligner(with(parameters, "gyro_drift", number(0.05 * deg)));
+    auto parameters = with_member(with_member(defaults("course"), "sigma_heading", 0), "velocity_sd", 0.05);
+    Aligner aligner(with_member(parameters, "gyro_drift", 0.05 * deg));
     drive.run(aligner);
     const auto& attitude = aligner.out.attitudes.at(0);
     return nees(attitude, drive.euler_at(seconds(attitude.t)));
@@ -82,8 +84,8 @@ TEST_CASE("alignment: Monte Carlo of gyrocompassing, and of noise alone") {
     drive.accelerometer_bias = of.draw(0.001 * g);
     drive.gyro_bias = of.draw(0.01 * deg / 3600);
     auto parameters =
-        with(with(defaults("gyrocompass"), "latitude", number(drive.lat)), "gyro_bias", number(0.01 * deg / 3600));
-    Aligner aligner(with(parameters, "accelerometer_bias", number(0.001 * g)));
+        with_member(with_member(defaults("gyrocompass"), "latitude", drive.lat), "gyro_bias", 0.01 * deg / 3600);
+    Aligner aligner(with_member(parameters, "accelerometer_bias", 0.001 * g));
     drive.run(aligner);
     return nees(aligner.out.attitudes.at(0), drive.euler);
   });
@@ -96,8 +98,8 @@ TEST_CASE("alignment: Monte Carlo of gyrocompassing, and of noise alone") {
         drive.length = 2.5;
         drive.has_gnss = false;
         drive.accelerometer_noise = 0.1;
-        Aligner aligner(with(with(defaults("given"), "yaw", number(1 * deg * of.normal(of.generator))),
-                             "accelerometer_bias", number(0)));
+        Aligner aligner(with_member(with_member(defaults("given"), "yaw", 1 * deg * of.normal(of.generator)),
+                                    "accelerometer_bias", 0));
         drive.run(aligner);
         return nees(aligner.out.attitudes.at(0), drive.euler);
       },
@@ -109,16 +111,11 @@ namespace {
 /// A recorded file through the csv source, one sample ahead.
 class Recording {
  public:
-  Recording(const std::string& path, const std::vector<std::pair<std::string, ParameterValue>>& columns) {
-    std::vector<std::pair<std::string, ParameterValue>> specified;
+  Recording(const std::string& path, const Members& columns) {
+    Members specified;
     for (const auto& [name, si_unit] : columns)
-      specified.push_back({name, object({{"unit", si_unit}, {"kind", text(is_imu(name) ? "rate" : "level")}})});
-    source_ = std::make_unique<csv::CsvSource>(bind(object({{"path", text(path)},
-                                                            {"columns", object(specified)},
-                                                            {"delimiter", text(",")},
-                                                            {"comment", text("#")},
-                                                            {"header", boolean(true)},
-                                                            {"invalid_rows", text("error")}})));
+      specified.push_back({name, object({{"unit", si_unit}, {"kind", is_imu(name) ? "rate" : "level"}})});
+    source_ = binnacle::testing::bind<csv::CsvSource>({object({{"path", path}, {"columns", object(specified)}})});
     struct Silent : Reporter {
       void warn(const std::string&, const std::string&, int, const std::string&) override {}
     } silent;
@@ -170,7 +167,7 @@ TEST_CASE("alignment: on recorded drives, against the reference", "[data]") {
     // Raw axes to forward-left-up by the mount angles, then to forward-right-down.
     const Matrix3d C =
         Vector3d(1, -1, -1).asDiagonal() * sd::dcm_from_quaternion(sd::quaternion_from_euler(drive.mount * deg));
-    Aligner aligner(with(defaults("course"), "velocity_sd", number(0.1)));
+    Aligner aligner(with_member(defaults("course"), "velocity_sd", 0.1));
     bool has_gnss = gnss.next();
     while (imu.next() && aligner.out.attitudes.empty()) {
       for (; has_gnss && gnss.t <= imu.t; has_gnss = gnss.next())
@@ -201,3 +198,5 @@ TEST_CASE("alignment: on recorded drives, against the reference", "[data]") {
     std::cout << "\n";
   }
 }
+
+}  // namespace coarse_alignment_runs_test

@@ -10,14 +10,17 @@
 #include "aligner.hpp"
 #include "catch.hpp"
 #include "coarse_alignment/rest_window.hpp"
+#include "spec_text.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace coarse_alignment_test {
 
 using namespace binnacle;
 using namespace binnacle::aligner;
 
 TEST_CASE("alignment: heading given, roll and pitch in every quadrant") {
   for (const auto& euler : every_quadrant) {
-    Aligner aligner(with(defaults("given"), "yaw", number(euler.z())));
+    Aligner aligner(with_member(defaults("given"), "yaw", euler.z()));
     Drive drive;
     drive.euler = euler;
     drive.run(aligner);
@@ -31,7 +34,7 @@ TEST_CASE("alignment: heading given, roll and pitch in every quadrant") {
 
 TEST_CASE("alignment: the signs, spelled out") {
   const auto align = [](const Vector3d& f) {
-    Aligner aligner(with(defaults("given"), "yaw", number(0)));
+    Aligner aligner(with_member(defaults("given"), "yaw", 0));
     for (int k = 0; k <= 300; ++k)
       aligner.imu(k ? nanoseconds(k * 0.01 - 0.01) : no_time, nanoseconds(k * 0.01), Vector3d::Zero(), f);
     return aligner.out.attitudes.at(0).values;
@@ -67,9 +70,9 @@ TEST_CASE("alignment: heading from the course, after a turn, in every quadrant")
 TEST_CASE("alignment: gyrocompassing in every quadrant, north and south") {
   for (double lat : {45 * deg, -35 * deg, 0.0}) {
     for (const auto& euler : every_quadrant) {
-      auto parameters = with(defaults("gyrocompass"), "gyro_bias", number(1e-8));
-      parameters = with(parameters, "accelerometer_bias", number(1e-4));
-      Aligner aligner(with(parameters, "latitude", number(lat)));
+      auto parameters = with_member(defaults("gyrocompass"), "gyro_bias", 1e-8);
+      parameters = with_member(parameters, "accelerometer_bias", 1e-4);
+      Aligner aligner(with_member(parameters, "latitude", lat));
       REQUIRE(aligner.transform().declaration().channels.size() == 1);
       Drive drive;
       drive.lat = lat;
@@ -83,7 +86,7 @@ TEST_CASE("alignment: gyrocompassing in every quadrant, north and south") {
 }
 
 TEST_CASE("alignment: gyrocompassing takes the latitude from GNSS, and waits for it") {
-  const auto parameters = with(defaults("gyrocompass"), "gyro_bias", number(1e-7));
+  const auto parameters = with_member(defaults("gyrocompass"), "gyro_bias", 1e-7);
   Drive drive;
   Aligner with_gnss(parameters);
   drive.run(with_gnss);
@@ -95,20 +98,20 @@ TEST_CASE("alignment: gyrocompassing takes the latitude from GNSS, and waits for
 }
 
 TEST_CASE("alignment: gyrocompassing refuses gyros that do not see the earth turn") {
-  auto parameters = with(defaults("gyrocompass"), "latitude", number(43 * deg));
+  auto parameters = with_member(defaults("gyrocompass"), "latitude", 43 * deg);
   Drive drive;
-  Aligner coarse(with(parameters, "gyro_bias", number(20 * deg / 3600)));
+  Aligner coarse(with_member(parameters, "gyro_bias", 20 * deg / 3600));
   drive.run(coarse);
   REQUIRE(coarse.out.attitudes.empty());
   // Promised 0.1 deg/h, but 10 deg/h off: the horizontal rate is not the earth's.
   drive.gyro_bias = Vector3d(10, 0, 0) * deg / 3600;
-  Aligner liar(with(parameters, "gyro_bias", number(0.1 * deg / 3600)));
+  Aligner liar(with_member(parameters, "gyro_bias", 0.1 * deg / 3600));
   drive.run(liar);
   REQUIRE(liar.out.attitudes.empty());
 }
 
 TEST_CASE("alignment: the covariance, written out") {
-  auto parameters = with(defaults("given"), "yaw", number(120 * deg));
+  auto parameters = with_member(defaults("given"), "yaw", 120 * deg);
   Drive drive;
   drive.euler = Vector3d(20, 30, 120) * deg;
   Aligner aligner(parameters);
@@ -124,7 +127,7 @@ TEST_CASE("alignment: the covariance, written out") {
 
 TEST_CASE("alignment: nothing while moving") {
   // Quiet as at rest, but the receiver says 10 m/s.
-  Aligner cruising(with(defaults("given"), "yaw", number(0)));
+  Aligner cruising(with_member(defaults("given"), "yaw", 0));
   for (int k = 0; k <= 2000; ++k) {
     cruising.imu(k ? nanoseconds(k * 0.01 - 0.01) : no_time, nanoseconds(k * 0.01), Vector3d::Zero(), {0, 0, -g});
     if (k % 50 == 0) cruising.gnss(nanoseconds(k * 0.01), 10, 0, 0.7);
@@ -133,7 +136,7 @@ TEST_CASE("alignment: nothing while moving") {
 
   // A drive that is recorded from the middle, without rest: no course either.
   for (const char* heading : {"given", "course"}) {
-    Aligner moving(with(defaults(heading), "yaw", number(0)));
+    Aligner moving(with_member(defaults(heading), "yaw", 0));
     Drive drive;
     drive.rest = 0;
     drive.acceleration = 1;
@@ -148,7 +151,7 @@ TEST_CASE("alignment: nothing while moving") {
 
 TEST_CASE("alignment: each limit of rest alone keeps it from levelling") {
   const auto aligned = [](const Vector3d& w, const Vector3d& f, const Vector3d& dw, const Vector3d& df) {
-    Aligner aligner(with(defaults("given"), "yaw", number(0)));
+    Aligner aligner(with_member(defaults("given"), "yaw", 0));
     for (int k = 0; k <= 600; ++k) {
       const double sign = k % 2 ? 1 : -1;
       aligner.imu(k ? nanoseconds(k * 0.01 - 0.01) : no_time, nanoseconds(k * 0.01), w + sign * dw, f + sign * df);
@@ -209,7 +212,7 @@ TEST_CASE("alignment: a gentle start does not pull the levelling") {
 TEST_CASE("alignment: after a gap it starts anew, a short hole and a NaN it bridges") {
   const Vector3d zero = Vector3d::Zero(), down(0, 0, -g);
   const auto run = [&](const std::function<void(Aligner&)>& at_two_seconds, int resumed = 206) {
-    Aligner aligner(with(defaults("given"), "yaw", number(0)));
+    Aligner aligner(with_member(defaults("given"), "yaw", 0));
     aligner.imu(no_time, 0, zero, down);
     for (int k = 1; k <= 600; ++k) {
       if (k == 201) at_two_seconds(aligner);
@@ -236,13 +239,13 @@ TEST_CASE("alignment: no course once it has coasted too long") {
   Aligner steady(defaults("course"));
   drive.run(steady);
   REQUIRE(steady.out.attitudes.size() == 1);
-  Aligner hasty(with(defaults("course"), "max_coast", instant(20)));
+  Aligner hasty(with_member(defaults("course"), "max_coast", 20));
   drive.run(hasty);
   REQUIRE(hasty.out.attitudes.empty());
 }
 
 TEST_CASE("alignment: course uncertainty from reported velocity deviations, turn and slip") {
-  const auto heading_sd = [](const ParameterValue& parameters, double sd_n, double sd_e) {
+  const auto heading_sd = [](const Json& parameters, double sd_n, double sd_e) {
     Aligner aligner(parameters);
     Drive drive;
     drive.has_gnss = false;
@@ -250,11 +253,11 @@ TEST_CASE("alignment: course uncertainty from reported velocity deviations, turn
     aligner.gnss(nanoseconds(4.0), 0, 4, unknown, sd_n, sd_e);  // to the east
     return std::sqrt(aligner.out.attitudes.at(0).P(2, 2));
   };
-  const auto parameters = with(defaults("course"), "sigma_heading", number(0));
+  const auto parameters = with_member(defaults("course"), "sigma_heading", 0);
   REQUIRE(std::abs(heading_sd(parameters, 0.4, 9.0) - 0.1) < 1e-3);
   REQUIRE(std::abs(heading_sd(parameters, unknown, unknown) - 0.05) < 1e-3);
-  REQUIRE(std::abs(heading_sd(with(parameters, "velocity_sd", number(0.8)), 0.4, 9.0) - 0.2) < 1e-3);
-  REQUIRE(std::abs(heading_sd(with(parameters, "sigma_heading", number(0.3)), unknown, unknown) -
+  REQUIRE(std::abs(heading_sd(with_member(parameters, "velocity_sd", 0.8), 0.4, 9.0) - 0.2) < 1e-3);
+  REQUIRE(std::abs(heading_sd(with_member(parameters, "sigma_heading", 0.3), unknown, unknown) -
                    std::hypot(0.3, 0.05)) < 1e-3);
 }
 
@@ -267,7 +270,7 @@ TEST_CASE("alignment: emits again at the wanted pace, levels again at rest, and 
   drive.turn_rate = 8 * deg;
   drive.turn = 60 * deg;
   drive.gyro_bias = Vector3d(0.3, -0.2, 0.1) * deg;
-  Aligner aligner(with(with(defaults("given"), "yaw", number(40 * deg)), "every", instant(1)));
+  Aligner aligner(with_member(with_member(defaults("given"), "yaw", 40 * deg), "every", 1));
   drive.run(aligner);
   const auto& attitudes = aligner.out.attitudes;
   REQUIRE(attitudes.size() == 18);
@@ -283,7 +286,7 @@ TEST_CASE("alignment: the gyro bias at rest, without the earth's rate") {
   Drive drive;
   drive.euler = Vector3d(5, 10, -130) * deg;
   drive.gyro_bias = Vector3d(0.2, -0.3, 0.1) * deg;
-  const auto parameters = with(with(defaults("given"), "yaw", number(drive.euler.z())), "gyro_drift", number(0));
+  const auto parameters = with_member(with_member(defaults("given"), "yaw", drive.euler.z()), "gyro_drift", 0);
   Aligner aligner(parameters);
   const auto& channels = aligner.transform().declaration().channels;
   REQUIRE(channels.size() == 2);
@@ -319,9 +322,9 @@ TEST_CASE("alignment: its memory is all that it knows") {
 }
 
 TEST_CASE("alignment: refuses what does not go together") {
-  const auto fault = [](const ParameterValue& parameters) -> std::string {
+  const auto fault = [](const Json& parameters) -> std::string {
     try {
-      CoarseAlignment transform(bind_as<CoarseAlignment>(parameters));
+      binnacle::testing::bind<CoarseAlignment>({parameters});
     } catch (const ComponentError& error) {
       return error.pointer() + ": " + error.what();
     }
@@ -329,7 +332,7 @@ TEST_CASE("alignment: refuses what does not go together") {
   };
   REQUIRE(fault(defaults("given")) == "/yaw: a given heading needs a yaw");
   REQUIRE(fault(defaults("gyrocompass")) == "/gyro_bias: gyrocompassing needs the gyro_bias (1-sigma) that limits it");
-  REQUIRE(fault(with(defaults("course"), "min_speed", number(0.2))) ==
+  REQUIRE(fault(with_member(defaults("course"), "min_speed", 0.2)) ==
           "/min_speed: a course needs more speed than rest allows");
   REQUIRE(fault(defaults("course")) == "no fault");
 }
@@ -340,8 +343,10 @@ TEST_CASE("alignment: the spec is complete") {
   REQUIRE(!spec.summary.empty());
   REQUIRE(!spec.source.empty());
   REQUIRE(!spec.example.empty());
-  REQUIRE(undocumented(spec.parameters) == "");
+  REQUIRE(binnacle::test::undocumented(spec.parameters) == "");
   REQUIRE(spec.inputs.size() == 2);
   REQUIRE(spec.inputs[0].fields.size() == 6);
   REQUIRE(spec.inputs[1].is_optional);
 }
+
+}  // namespace coarse_alignment_test

@@ -2,6 +2,7 @@
 // The coning simulator: increments against the motion that truth gives, on the earth and off it.
 #include "../../plugins/coning_simulator/coning_motion.hpp"
 #include "../../plugins/coning_simulator/simulator.hpp"
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
 #include <cmath>
@@ -15,11 +16,11 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "config/document.hpp"
-#include "spec/check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace coning_simulator_test {
 
 using namespace binnacle;
 using namespace binnacle::coning_simulator;
@@ -29,15 +30,8 @@ using nlohmann::json;
 
 namespace {
 
-/// As the kernel does it, units of defaults included.
 std::unique_ptr<ConingSimulator> bound(const json& config) {
-  Diagnostics diagnostics;
-  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
-  const ParameterValue value =
-      Reader(document, diagnostics).parameters(ConingSimulator::spec().parameters, "coning_simulator");
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return std::make_unique<ConingSimulator>(Binding({"coning", Parameters(value)}));
+  return binnacle::testing::bind<ConingSimulator>({config});
 }
 
 struct Sample {
@@ -176,3 +170,5 @@ TEST_CASE("coning: a damaged memory counts no sample that the run does not have"
     }
   }
 }
+
+}  // namespace coning_simulator_test

@@ -21,6 +21,8 @@
 #include "gnss/channels.hpp"
 #include "strapdown/earth.hpp"
 
+namespace constellation_simulator_test {
+
 using namespace binnacle;
 using namespace binnacle::constellation_simulator;
 using namespace binnacle::test;
@@ -316,3 +318,5 @@ TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and it
   }
   std::filesystem::remove(file);
 }
+
+}  // namespace constellation_simulator_test

@@ -10,8 +10,9 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
+
+namespace core_test {
 
 using namespace binnacle;
 using namespace binnacle::core;
@@ -245,3 +246,5 @@ TEST_CASE("linear measurement: H, residual, bias, refusals", "[core]") {
                         with({{"sigma", Json::array({1})}, {"H", H}}, {{"x", &block}, {"bias", &block}})),
                     ComponentError);
 }
+
+}  // namespace core_test

@@ -8,6 +8,8 @@
 #include "civil_time/iso8601.hpp"
 #include "csv_files.hpp"
 
+namespace csv_calendar_test {
+
 using namespace binnacle;
 using namespace binnacle::csv_files;
 using Catch::Matchers::Contains;
@@ -17,23 +19,14 @@ namespace {
 constexpr Time second = nanoseconds_per_second;
 constexpr Time noon = 1479470418;  // 2026-11-23T12:00:00Z as GPS time since 1980-01-06, 18 leap seconds [s]
 
-ParameterValue count(std::int64_t n) {
-  ParameterValue v;
-  v.type = ParameterValue::Type::integer;
-  v.integer = n;
-  return v;
-}
-
-using Members = std::vector<std::pair<std::string, ParameterValue>>;
-
 /// One field `a`; `time` as given.
-ParameterValue timed(const std::string& path, Members time) {
-  return with(parameters(path, {{"a", column("a")}}), "time", object(std::move(time)));
+Json timed(const std::string& path, Members time) {
+  return with_member(parameters(path, {{"a", column("a")}}), "time", object(std::move(time)));
 }
 
-ParameterValue iso(const std::string& path) { return timed(path, {{"format", text("iso8601")}}); }
+Json iso(const std::string& path) { return timed(path, {{"format", "iso8601"}}); }
 
-std::vector<Time> times_of(const ParameterValue& value) {
+std::vector<Time> times_of(const Json& value) {
   std::vector<Time> times;
   for (const Sample& sample : read(value)) times.push_back(sample.t);
   return times;
@@ -42,7 +35,7 @@ std::vector<Time> times_of(const ParameterValue& value) {
 /// Of a file with this one label.
 Time time_of(const std::string& label, Time zone = 0) {
   const TemporaryFile file("t,a\n\"" + label + "\",1\n");
-  return times_of(timed(file.path(), {{"format", text("iso8601")}, {"zone", instant(seconds(zone))}})).at(0);
+  return times_of(timed(file.path(), {{"format", "iso8601"}, {"zone", seconds(zone)}})).at(0);
 }
 
 std::string fault_of_label(const std::string& label) {
@@ -88,8 +81,7 @@ TEST_CASE("csv: what is no time of ISO 8601 is a fault", "[csv]") {
 TEST_CASE("csv: date and time in two columns, in any order", "[csv]") {
   const auto read_date = [](const std::string& date, const std::string& order, const std::string& time) {
     const TemporaryFile file("d,t,a\n" + date + "," + time + ",1\n");
-    return times_of(
-        timed(file.path(), {{"column", text("t")}, {"date_column", text("d")}, {"date_order", text(order)}}));
+    return times_of(timed(file.path(), {{"column", "t"}, {"date_column", "d"}, {"date_order", order}}));
   };
   const std::vector<Time> expected{noon * second + second / 2};
   CHECK(read_date("2026-11-23", "ymd", "12:00:00.5") == expected);
@@ -100,7 +92,7 @@ TEST_CASE("csv: date and time in two columns, in any order", "[csv]") {
   CHECK(read_date("11/23/2026", "mdy", "12:00:00.5") == expected);
   const auto fault = [](const std::string& date, const std::string& time) {
     const TemporaryFile file("d,t,a\n" + date + "," + time + ",1\n");
-    return fault_of(timed(file.path(), {{"column", text("t")}, {"date_column", text("d")}}));
+    return fault_of(timed(file.path(), {{"column", "t"}, {"date_column", "d"}}));
   };
   CHECK(fault("23.11.2026", "12:00:00") ==
         "B062 line 2: time column 'd': '23.11.2026' is not a date of year, month, day");
@@ -113,18 +105,17 @@ TEST_CASE("csv: date and time in two columns, in any order", "[csv]") {
 
 TEST_CASE("csv: GPS week and seconds", "[csv]") {
   const TemporaryFile file("wn,tow,a\n2446,129618,1\n2446,129618.123456789,2\n2447,0.5,3\n");
-  const auto value = timed(file.path(), {{"column", text("tow")}, {"week_column", text("wn")}});
+  const auto value = timed(file.path(), {{"column", "tow"}, {"week_column", "wn"}});
   CHECK(times_of(value) ==
         std::vector<Time>{noon * second, noon * second + 123456789, 2447 * civil_time::week_length + second / 2});
   // Of a week that is counted from, and as Unix time, 18 s behind.
-  CHECK(times_of(with(value, "week", count(2446))).at(0) == 129618 * second);
-  CHECK(times_of(with(value, "epoch", text("2026-11-23T11:00:00Z"))).at(0) == 3600 * second);
-  const auto milliseconds =
-      timed(file.path(), {{"column", text("tow")}, {"week_column", text("wn")}, {"unit", unit("s", 1e-3)}});
+  CHECK(times_of(with_member(value, "week", 2446)).at(0) == 129618 * second);
+  CHECK(times_of(with_member(value, "epoch", "2026-11-23T11:00:00Z")).at(0) == 3600 * second);
+  const auto milliseconds = timed(file.path(), {{"column", "tow"}, {"week_column", "wn"}, {"unit", unit("s", 1e-3)}});
   CHECK(times_of(milliseconds).at(0) == 2446 * civil_time::week_length + 129618000000);
   const auto fault = [](const std::string& row) {
     const TemporaryFile spoilt("wn,tow,a\n" + row + ",1\n");
-    return fault_of(timed(spoilt.path(), {{"column", text("tow")}, {"week_column", text("wn")}}));
+    return fault_of(timed(spoilt.path(), {{"column", "tow"}, {"week_column", "wn"}}));
   };
   CHECK(fault("-1,5") == "B062 line 2: time column 'wn': '-1' is no GPS week");
   CHECK(fault("2446.5,5") == "B062 line 2: time column 'wn': '2446.5' is no GPS week");
@@ -136,22 +127,16 @@ TEST_CASE("csv: GPS week and seconds", "[csv]") {
 TEST_CASE("csv: calendar labels that do not go together point at the config", "[csv]") {
   const TemporaryFile file("d,t,a\n2026-11-23,12:00:00,1\n");
   const auto said = [&](Members time) { return fault_of(timed(file.path(), std::move(time))); };
-  CHECK_THAT(said({{"format", text("iso8601")}, {"date_column", text("d")}}),
-             Contains("/time/date_column: a time of ISO"));
-  CHECK_THAT(said({{"format", text("iso8601")}, {"week_column", text("d")}}),
-             Contains("/time/week_column: a time of ISO"));
-  CHECK_THAT(said({{"date_column", text("d")}, {"week_column", text("d")}}),
-             Contains("/time/week_column: there is 'date"));
-  CHECK_THAT(said({{"zone", instant(3600)}}), Contains("/time/zone: a zone belongs to calendar times"));
-  CHECK_THAT(said({{"column", text("t")}, {"date_column", text("t")}}),
-             Contains("/time/date_column: it is the column"));
-  CHECK_THAT(said({{"format", text("iso8601")}, {"unit", unit("s", 1e-3)}}),
-             Contains("/time/unit: calendar times have"));
-  CHECK_THAT(said({{"column", text("t")}, {"date_column", text("date")}}),
-             Contains("/time/date_column: no column 'date'"));
+  CHECK_THAT(said({{"format", "iso8601"}, {"date_column", "d"}}), Contains("/time/date_column: a time of ISO"));
+  CHECK_THAT(said({{"format", "iso8601"}, {"week_column", "d"}}), Contains("/time/week_column: a time of ISO"));
+  CHECK_THAT(said({{"date_column", "d"}, {"week_column", "d"}}), Contains("/time/week_column: there is 'date"));
+  CHECK_THAT(said({{"zone", 3600}}), Contains("/time/zone: a zone belongs to calendar times"));
+  CHECK_THAT(said({{"column", "t"}, {"date_column", "t"}}), Contains("/time/date_column: it is the column"));
+  CHECK_THAT(said({{"format", "iso8601"}, {"unit", unit("s", 1e-3)}}), Contains("/time/unit: calendar times have"));
+  CHECK_THAT(said({{"column", "t"}, {"date_column", "date"}}), Contains("/time/date_column: no column 'date'"));
   const auto numbers = parameters(file.path(), {{"a", column("a")}});
-  CHECK_THAT(fault_of(with(numbers, "week", count(2446))), Contains("/week: it gives the origin of time"));
-  CHECK_THAT(fault_of(with(numbers, "epoch", text("1970-01-01"))), Contains("/epoch: it gives the origin of time"));
+  CHECK_THAT(fault_of(with_member(numbers, "week", 2446)), Contains("/week: it gives the origin of time"));
+  CHECK_THAT(fault_of(with_member(numbers, "epoch", "1970-01-01")), Contains("/epoch: it gives the origin of time"));
 }
 
 TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv]") {
@@ -159,7 +144,7 @@ TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv
       "t,a\n2026-11-23T12:00:00Z,1\nnoon,2\n2026-11-23T12:00:01Z,3\n2026-11-23T12:00:01Z,4\n2026-11-23T12:00:02Z,x\n"
       "2026-11-23T12:00:03Z,5\n");
   Warnings warnings;
-  const auto samples = read(with(iso(file.path()), "invalid_rows", text("skip")), &warnings);
+  const auto samples = read(with_member(iso(file.path()), "invalid_rows", "skip"), &warnings);
   CHECK(samples.size() == 3);
   REQUIRE(warnings.all.size() == 2);
   CHECK_THAT(warnings.all[0].message, Contains("2 rows skipped, the first: time column 't': 'noon' is not a time"));
@@ -169,7 +154,7 @@ TEST_CASE("csv: spoilt calendar rows are skipped on request, and counted", "[csv
 TEST_CASE("csv: decimal commas", "[csv]") {
   const TemporaryFile file("t;a\n0,25;-1,5\n1e0;2,5e1\n2;3\n");
   const auto value =
-      with(with(parameters(file.path(), {{"a", column("a")}}), "delimiter", text(";")), "decimal", text(","));
+      with_member(with_member(parameters(file.path(), {{"a", column("a")}}), "delimiter", ";"), "decimal", ",");
   const auto samples = read(value);
   REQUIRE(samples.size() == 3);
   CHECK(samples[0].t == second / 4);
@@ -177,11 +162,11 @@ TEST_CASE("csv: decimal commas", "[csv]") {
   CHECK(samples[1].fields[0] == 25);
   // A point may be a thousand's: 1.234 is not read as something else.
   const TemporaryFile points("t;a\n0;1.234\n");
-  CHECK(fault_of(with(with(parameters(points.path(), {{"a", column("a")}}), "delimiter", text(";")), "decimal",
-                      text(","))) == "B062 line 2: column 'a': '1.234' is not a number");
-  CHECK(fault_of(with(parameters(file.path(), {{"a", column("a")}}), "delimiter", text(";"))) ==
+  CHECK(fault_of(with_member(with_member(parameters(points.path(), {{"a", column("a")}}), "delimiter", ";"), "decimal",
+                             ",")) == "B062 line 2: column 'a': '1.234' is not a number");
+  CHECK(fault_of(with_member(parameters(file.path(), {{"a", column("a")}}), "delimiter", ";")) ==
         "B062 line 2: time column 't': '0,25' is not a number; for decimal commas set \"decimal\": \",\"");
-  CHECK_THAT(fault_of(with(parameters(file.path(), {{"a", column("a")}}), "decimal", text(","))),
+  CHECK_THAT(fault_of(with_member(parameters(file.path(), {{"a", column("a")}}), "decimal", ",")),
              Contains("/decimal: decimal commas need another delimiter"));
 }
 
@@ -190,7 +175,7 @@ TEST_CASE("csv: every so many samples one: levels stay, rates are averaged, incr
   for (int i = 0; i < 8; ++i)
     content += std::to_string(i) + "," + std::to_string(10 * i) + "," + std::to_string(i) + "\n";
   const TemporaryFile file(content);
-  const auto levels = read(with(parameters(file.path(), {{"a", column("a")}}), "every", count(3)));
+  const auto levels = read(with_member(parameters(file.path(), {{"a", column("a")}}), "every", 3));
   REQUIRE(levels.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(levels[i].t == static_cast<Time>(3 * i) * second);
@@ -199,7 +184,7 @@ TEST_CASE("csv: every so many samples one: levels stay, rates are averaged, incr
   const auto value = parameters(file.path(), {{"w", column("w", unit("rad/s"), "rate")},
                                               {"dv", column("w", unit("m/s"), "increment")},
                                               {"a", column("a", unit("m"))}});
-  const auto joined = read(with(value, "every", count(3)));
+  const auto joined = read(with_member(value, "every", 3));
   // The first row starts the clock; 1 2 3, 4 5 6, and 7, at the end, alone.
   REQUIRE(joined.size() == 4);
   CHECK(joined[0].t0 == no_time);
@@ -214,7 +199,7 @@ TEST_CASE("csv: every so many samples one: levels stay, rates are averaged, incr
 TEST_CASE("csv: samples put together are weighted by their time, and end at a gap", "[csv]") {
   const TemporaryFile file("t,w,a\n0,9,0\n1,1,0\n3,4,0\n4,6,0\n10,8,0\n11,2,0\n13,5,0\n");
   auto value = parameters(file.path(), {{"w", column("w", unit("rad/s"), "rate")}});
-  value = with(with(value, "max_gap", instant(3)), "every", count(2));
+  value = with_member(with_member(value, "max_gap", 3), "every", 2);
   const auto samples = read(value);
   REQUIRE(samples.size() == 5);
   CHECK(samples[1].fields[0] == 3);  // (1·1 + 2·4)/3
@@ -229,9 +214,10 @@ TEST_CASE("csv: samples put together are weighted by their time, and end at a ga
 
 TEST_CASE("csv: every so many epochs of several rows one", "[csv]") {
   const TemporaryFile file("t,k,a\n0,1,10\n0,2,20\n1,1,11\n2,1,12\n2,2,22\n2,3,32\n");
-  const auto value = with(parameters(file.path(), {{"k", column("k")}, {"a", column("a")}}), "rows",
-                          object({{"key", text("k")}, {"max_rows", count(8)}}));
-  CsvSource source(bind(with(value, "every", count(2))));
+  const auto value = with_member(parameters(file.path(), {{"k", column("k")}, {"a", column("a")}}), "rows",
+                                 object({{"key", "k"}, {"max_rows", 8}}));
+  const auto bound = binnacle::testing::bind<CsvSource>({with_member(value, "every", 2)});
+  CsvSource& source = *bound;
   Warnings warnings;
   source.open(warnings);
   const binnacle::testing::SourceCaller caller(source);
@@ -248,11 +234,11 @@ TEST_CASE("csv: every so many epochs of several rows one", "[csv]") {
 TEST_CASE("csv: columns are scaled and shifted", "[csv]") {
   const TemporaryFile file("t,w,a\n0,100,-999\n1,-100,5\n");
   auto turned = column("w", unit("rad/s", 0.01));
-  turned.members.emplace_back("scale", number(-0.5));
-  turned.members.emplace_back("offset", number(0.25, "rad/s"));
+  turned["scale"] = -0.5;
+  turned["offset"] = quantity(0.25, "rad/s");
   auto gaps = column("a", unit("m"));
-  gaps.members.emplace_back("scale", number(2));
-  gaps.members.emplace_back("missing", list({text("-999")}));
+  gaps["scale"] = 2;
+  gaps["missing"] = Json::array({"-999"});
   const auto samples = read(parameters(file.path(), {{"w", turned}, {"a", gaps}}));
   REQUIRE(samples.size() == 2);
   CHECK(samples[0].fields[0] == Approx(-0.25));
@@ -260,3 +246,5 @@ TEST_CASE("csv: columns are scaled and shifted", "[csv]") {
   CHECK(std::isnan(samples[0].fields[1]));
   CHECK(samples[1].fields[1] == 10);
 }
+
+}  // namespace csv_calendar_test

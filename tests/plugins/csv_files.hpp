@@ -2,6 +2,7 @@
 // Files of the tests of csv: written, read back, their faults in words.
 #pragma once
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
 #include <stdlib.h>
@@ -15,11 +16,11 @@
 #include <vector>
 
 #include "csv/csv_source.hpp"
-#include "parameter_values.hpp"
+#include "json_members.hpp"
 
 namespace binnacle::csv_files {
 
-using namespace binnacle::parameter_values;
+using namespace binnacle::json_members;
 using binnacle::csv::CsvSource;
 
 /// A file of its own in a folder that goes with it.
@@ -76,28 +77,22 @@ struct Sample {
   std::vector<double> fields;
 };
 
-inline ParameterValue column(const std::string& name, ParameterValue si_unit = unit("1"),
-                             const std::string& kind = "level") {
-  return object({{"column", text(name)}, {"unit", std::move(si_unit)}, {"kind", text(kind)}});
+inline Json column(const std::string& name, const std::string& of_unit = "1", const std::string& kind = "level") {
+  return object({{"column", name}, {"unit", of_unit}, {"kind", kind}});
 }
 
 /// Time in the first column, seconds; fields as given.
-inline ParameterValue parameters(const std::string& path, std::vector<std::pair<std::string, ParameterValue>> columns) {
-  return object({{"path", text(path)},
-                 {"columns", object(std::move(columns))},
-                 {"time", object({{"unit", unit("s")}, {"offset", instant(0)}})},
-                 {"delimiter", text(",")},
-                 {"comment", text("#")},
-                 {"header", boolean(true)},
-                 {"invalid_rows", text("error")}});
+inline Json parameters(const std::string& path, const Members& columns) {
+  return object({{"path", path}, {"columns", object(columns)}});
 }
 
-inline ParameterValue rate_and_level(const std::string& path) {
+inline Json rate_and_level(const std::string& path) {
   return parameters(path, {{"w", column("w", unit("rad/s"), "rate")}, {"a", column("a", unit("m"))}});
 }
 
-inline std::vector<Sample> read(const ParameterValue& value, Warnings* warnings = nullptr) {
-  CsvSource source(bind(value));
+inline std::vector<Sample> read(const Json& value, Warnings* warnings = nullptr) {
+  const auto bound = binnacle::testing::bind<CsvSource>({value});
+  CsvSource& source = *bound;
   Warnings own;
   source.open(warnings ? *warnings : own);
   const binnacle::testing::SourceCaller caller(source);
@@ -121,7 +116,7 @@ inline std::vector<Sample> read_text(const std::string& content) {
 }
 
 /// The fault, as "CODE line N: message", or "pointer: message" for one of the configuration.
-inline std::string fault_of(const ParameterValue& value) {
+inline std::string fault_of(const Json& value) {
   try {
     read(value);
   } catch (const ComponentError& error) {

@@ -10,6 +10,8 @@
 #include "catch.hpp"
 #include "csv_files.hpp"
 
+namespace csv_local_test {
+
 using namespace binnacle;
 using namespace binnacle::csv_files;
 using Catch::Matchers::Contains;
@@ -19,17 +21,15 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-ParameterValue origin() {
-  return object({{"lat", number(49.01 * degree)}, {"lon", number(8.43 * degree)}, {"height", number(115)}});
-}
+Json origin() { return object({{"lat", 49.01 * degree}, {"lon", 8.43 * degree}, {"height", 115}}); }
 
-ParameterValue metres(const std::string& name, double scale = 1) {
-  return object({{"column", text(name)}, {"unit", unit("m", scale)}});
+Json metres(const std::string& name, double scale = 1) {
+  return object({{"column", name}, {"unit", unit("m", scale)}});
 }
-ParameterValue speed(const std::string& name) { return object({{"column", text(name)}, {"unit", unit("m/s")}}); }
+Json speed(const std::string& name) { return object({{"column", name}, {"unit", unit("m/s")}}); }
 
-ParameterValue local(const std::string& path, std::vector<std::pair<std::string, ParameterValue>> members) {
-  return with(with(parameters(path, {}), "local", object(std::move(members))), "origin", origin());
+Json local(const std::string& path, Members members) {
+  return with_member(with_member(parameters(path, {}), "local", object(std::move(members))), "origin", origin());
 }
 
 /// Where a point lies that is some metres from the origin, computed here from the ellipsoid alone.
@@ -63,10 +63,10 @@ TEST_CASE("csv reads local north, east, down, and east, north, up alike", "[csv]
 TEST_CASE("csv turns local velocities, scales and shifts columns before", "[csv]") {
   const TemporaryFile file("t,x,y,z,vx,vy,vz\n0,1.2,-3.4,5600,5,6,1\n1,,0,0,1,1,1\n2,0,0,0,5,6,1\n");
   auto x = metres("x", 1000);
-  x.members.emplace_back("missing", list({text("")}));
+  x["missing"] = Json::array({""});
   auto z = metres("z", 0.01);
-  z.members.emplace_back("scale", number(-1));
-  z.members.emplace_back("offset", number(3, "m"));
+  z["scale"] = -1;
+  z["offset"] = quantity(3, "m");
   const auto samples = read(local(file.path(), {{"north", metres("y", 1000)},
                                                 {"east", x},
                                                 {"down", z},
@@ -87,9 +87,7 @@ TEST_CASE("csv turns local velocities, scales and shifts columns before", "[csv]
 
 TEST_CASE("csv says what is wrong with local columns", "[csv]") {
   const TemporaryFile file("t,x,y,z,v\n0,1,2,3,4\n1,1,2e9,3,4\n");
-  const auto said = [&](std::vector<std::pair<std::string, ParameterValue>> members) {
-    return fault_of(local(file.path(), std::move(members)));
-  };
+  const auto said = [&](Members members) { return fault_of(local(file.path(), std::move(members))); };
   const auto x = metres("x"), y = metres("y"), z = metres("z");
   CHECK(said({{"north", y}, {"east", x}, {"down", z}}) ==
         "B062 line 3: the local position is more than 10 000 km from the origin");
@@ -106,18 +104,21 @@ TEST_CASE("csv says what is wrong with local columns", "[csv]") {
         "/local/east/unit: 'east' is in m; found the unit m/s");
   CHECK_THAT(said({{"north", metres("yy")}, {"east", x}, {"up", z}}), Contains("/local/north/column: no column 'yy'"));
   auto shifted = metres("x");
-  shifted.members.emplace_back("offset", number(3, "rad"));
+  shifted["offset"] = quantity(3, "rad");
   CHECK(said({{"north", y}, {"east", shifted}, {"up", z}}) ==
         "/local/east/offset: 'offset' has the unit rad, and the column is in m");
   auto nothing = metres("x");
-  nothing.members.emplace_back("scale", number(0));
+  nothing["scale"] = 0;
   CHECK_THAT(said({{"north", y}, {"east", nothing}, {"up", z}}), Contains("/local/east/scale: 'scale' is 0"));
 
-  const auto without = with(parameters(file.path(), {}), "local", object({{"north", y}, {"east", x}, {"up", z}}));
+  const auto without =
+      with_member(parameters(file.path(), {}), "local", object({{"north", y}, {"east", x}, {"up", z}}));
   CHECK_THAT(fault_of(without), Contains("/local: local columns need an origin") && Contains("here or at the top") &&
                                     Contains("(/origin)"));
-  const auto twice = with(with(parameters(file.path(), {{"lat", column("v", unit("rad"))}}), "local",
-                               object({{"north", y}, {"east", x}, {"up", z}})),
-                          "origin", origin());
+  const auto twice = with_member(with_member(parameters(file.path(), {{"lat", column("v", unit("rad"))}}), "local",
+                                             object({{"north", y}, {"east", x}, {"up", z}})),
+                                 "origin", origin());
   CHECK(fault_of(twice) == "/local: 'lat' is in 'columns' too, but 'local' computes it");
 }
+
+}  // namespace csv_local_test

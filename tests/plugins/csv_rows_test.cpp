@@ -9,22 +9,16 @@
 #include "catch.hpp"
 #include "csv_files.hpp"
 
+namespace csv_rows_test {
+
 namespace {
 
 using namespace binnacle;
 using namespace binnacle::csv_files;
 
-ParameterValue whole(std::int64_t number) {
-  ParameterValue v;
-  v.type = ParameterValue::Type::integer;
-  v.integer = number;
-  return v;
-}
-
-/// Fields prn and rho; time in column t.
-ParameterValue by_rows(const std::string& path, int most = 4) {
-  return with(parameters(path, {{"prn", column("prn")}, {"rho", column("rho", unit("m", 1000))}}), "rows",
-              object({{"key", text("prn")}, {"max_rows", whole(most)}}));
+Json by_rows(const std::string& path, int most = 4) {
+  return with_member(parameters(path, {{"prn", column("prn")}, {"rho", column("rho", unit("m", 1000))}}), "rows",
+                     object({{"key", "prn"}, {"max_rows", most}}));
 }
 
 struct Epoch {
@@ -32,8 +26,9 @@ struct Epoch {
   std::vector<double> rows;  // prn, rho
 };
 
-std::vector<Epoch> epochs(const ParameterValue& value, Warnings* warnings = nullptr) {
-  CsvSource source(bind(value));
+std::vector<Epoch> epochs(const Json& value, Warnings* warnings = nullptr) {
+  const auto bound = binnacle::testing::bind<CsvSource>({value});
+  CsvSource& source = *bound;
   Warnings own;
   source.open(warnings ? *warnings : own);
   const binnacle::testing::SourceCaller caller(source);
@@ -76,7 +71,8 @@ TEST_CASE("csv rows: consecutive lines with one label are one sample") {
 
 TEST_CASE("csv rows: the channel declares its rows") {
   const TemporaryFile file("t,prn,rho\n1,5,1\n");
-  CsvSource source(bind(by_rows(file.path(), 7)));
+  const auto bound = binnacle::testing::bind<CsvSource>({by_rows(file.path(), 7)});
+  CsvSource& source = *bound;
   const ChannelDeclaration& channel = source.declaration().channels[0];
   CHECK(channel.max_rows == 7);
   for (const FieldSpec& field : channel.fields) CHECK(field.is_per_row);
@@ -96,15 +92,16 @@ TEST_CASE("csv rows: what is wrong with a sample is named by line and column") {
   // A key that the config lets be missing.
   const TemporaryFile file("t,prn,rho\n1,5,1\n1,-,2\n");
   auto value = by_rows(file.path());
-  value = with(value, "columns",
-               object({{"prn", with(column("prn"), "missing", list({text("-")}))}, {"rho", column("rho")}}));
+  value =
+      with_member(value, "columns",
+                  object({{"prn", with_member(column("prn"), "missing", Json::array({"-"}))}, {"rho", column("rho")}}));
   CHECK(fault_of(value) == "B062 line 3: column 'prn', the key of the rows, is missing");
 }
 
 TEST_CASE("csv rows: bad lines are left out and counted where the config says so") {
   const TemporaryFile file("t,prn,rho\n1,5,1\n1,5,2\n1,7,x\n1,9,4\n0.5,3,3\n2,x,1\n2,5,1\n");
   Warnings warnings;
-  const auto list = epochs(with(by_rows(file.path()), "invalid_rows", text("skip")), &warnings);
+  const auto list = epochs(with_member(by_rows(file.path()), "invalid_rows", "skip"), &warnings);
   REQUIRE(list.size() == 2);
   CHECK(list[0].rows == std::vector<double>{5, 1000, 9, 4000});
   CHECK(list[1].rows == std::vector<double>{5, 1000});
@@ -115,7 +112,7 @@ TEST_CASE("csv rows: bad lines are left out and counted where the config says so
 
 TEST_CASE("csv rows: a window keeps whole samples") {
   const TemporaryFile file("t,prn,rho\n1,5,1\n1,7,2\n2,5,3\n2,7,4\n3,5,5\n");
-  const auto list = epochs(with(by_rows(file.path()), "window", csv_files::list({instant(2), instant(2.5)})));
+  const auto list = epochs(with_member(by_rows(file.path()), "window", Json::array({2, 2.5})));
   REQUIRE(list.size() == 1);
   CHECK(list[0].rows == std::vector<double>{5, 3000, 7, 4000});
 }
@@ -123,29 +120,29 @@ TEST_CASE("csv rows: a window keeps whole samples") {
 TEST_CASE("csv rows: what the config gets wrong is said at its place") {
   const TemporaryFile file("t,prn,rho\n1,5,1\n");
   const auto key = [&](const char* name) {
-    return fault_of(with(by_rows(file.path()), "rows", object({{"key", text(name)}, {"max_rows", whole(4)}})));
+    return fault_of(with_member(by_rows(file.path()), "rows", object({{"key", name}, {"max_rows", 4}})));
   };
   CHECK(key("prm") == "/rows/key: no field 'prm' among columns; did you mean 'prn'?");
   CHECK(key("xyz") == "/rows/key: no field 'xyz' among columns; they are: prn, rho");
   auto rate = by_rows(file.path());
-  rate = with(rate, "columns", object({{"prn", column("prn")}, {"rho", column("rho", unit("m"), "rate")}}));
+  rate = with_member(rate, "columns", object({{"prn", column("prn")}, {"rho", column("rho", unit("m"), "rate")}}));
   CHECK(fault_of(rate).find("/columns/rho/kind: with rows every field is a level") == 0);
 }
 
 TEST_CASE("csv where: lines of one kind out of several") {
   const TemporaryFile file("range 1 5 1\nspeed 1 3\nrange 1 7 2\nspeed 2 4\nrange 2 5 3  \n");
   auto value = parameters(file.path(), {{"prn", column("3")}, {"rho", column("4", unit("m"))}});
-  value = with(with(with(value, "header", boolean(false)), "delimiter", text(" ")), "time",
-               object({{"column", text("2")}, {"unit", unit("s")}, {"offset", instant(0)}}));
-  const auto where = [&](const ParameterValue& in, const char* column_name, const char* is) {
-    return with(in, "where", object({{"column", text(column_name)}, {"is", text(is)}}));
+  value = with_member(with_member(with_member(value, "header", false), "delimiter", " "), "time",
+                      object({{"column", "2"}, {"unit", unit("s")}, {"offset", 0}}));
+  const auto where = [&](const Json& in, const char* column_name, const char* is) {
+    return with_member(in, "where", object({{"column", column_name}, {"is", is}}));
   };
-  const auto rows = object({{"key", text("prn")}, {"max_rows", whole(4)}});
-  const auto list = epochs(with(where(value, "1", "range"), "rows", rows));
+  const auto rows = object({{"key", "prn"}, {"max_rows", 4}});
+  const auto list = epochs(with_member(where(value, "1", "range"), "rows", rows));
   REQUIRE(list.size() == 2);
   CHECK(list[0].rows == std::vector<double>{5, 1, 7, 2});
   // The same file, the other kind: a line is a sample, and its width its own.
-  auto speeds = with(value, "columns", object({{"v", column("3")}}));
+  auto speeds = with_member(value, "columns", object({{"v", column("3")}}));
   const auto samples = read(where(speeds, "1", "speed"));
   REQUIRE(samples.size() == 2);
   CHECK(samples[1].fields == std::vector<double>{4});
@@ -154,14 +151,14 @@ TEST_CASE("csv where: lines of one kind out of several") {
         "/where/column: 'one' is not a column: without header, columns are numbers from 1");
   // A line of the kind that is cut short is an error, not one of another kind.
   const TemporaryFile cut("range 1 5 1\nrange 1 7\n");
-  CHECK(fault_of(with(where(value, "1", "range"), "path", text(cut.path()))) ==
+  CHECK(fault_of(with_member(where(value, "1", "range"), "path", cut.path())) ==
         "B062 line 2: 3 columns where the first row has 4");
 }
 
 TEST_CASE("csv where: by the name of a column, and the header is always read") {
   const TemporaryFile file("t,kind,prn,rho\n1,a,5,1\n1,b,5,9\n1,a,7,2\n");
   const auto where = [&](const char* name, const char* is) {
-    return with(by_rows(file.path()), "where", object({{"column", text(name)}, {"is", text(is)}}));
+    return with_member(by_rows(file.path()), "where", object({{"column", name}, {"is", is}}));
   };
   const auto list = epochs(where("kind", "a"));
   REQUIRE(list.size() == 1);
@@ -193,7 +190,7 @@ TEST_CASE("csv rows: whatever a spoilt file holds, every sample has rows with di
     const TemporaryFile file(spoilt);
     INFO(spoilt);
     auto value = by_rows(file.path());
-    if (trial % 2) value = with(value, "invalid_rows", text("skip"));
+    if (trial % 2) value = with_member(value, "invalid_rows", "skip");
     try {
       Time last = no_time;
       for (const Epoch& epoch : epochs(value)) {
@@ -212,3 +209,5 @@ TEST_CASE("csv rows: whatever a spoilt file holds, every sample has rows with di
   CHECK(survived > 500);
   CHECK(refused > 500);
 }
+
+}  // namespace csv_rows_test

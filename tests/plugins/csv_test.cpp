@@ -19,6 +19,9 @@
 
 #include "csv/cells.hpp"
 #include "csv_files.hpp"
+#include "spec_text.hpp"
+
+namespace csv_test {
 
 namespace {
 
@@ -120,7 +123,8 @@ TEST_CASE("csv: fields arrive in SI, in the order of the config, with the interv
   const TemporaryFile file("t_s,gx_dps,unused,h\n0.5,90,x,1\n0.6,-180,y,2\n0.8,0,,3\n");
   const auto value = parameters(file.path(), {{"height", column("h", unit("m", 1))},
                                               {"wx", column("gx_dps", unit("rad/s", std::numbers::pi / 180), "rate")}});
-  CsvSource source(bind(value));
+  const auto bound = binnacle::testing::bind<CsvSource>({value});
+  CsvSource& source = *bound;
   REQUIRE(source.declaration().channels.size() == 1);
   const auto& channel = source.declaration().channels[0];
   REQUIRE(channel.name.empty());
@@ -149,7 +153,7 @@ TEST_CASE("csv: levels are instants, a fixed interval is kept, increments have i
   const TemporaryFile file("t,w,a\n1,1,1\n2,2,2\n");
   const auto levels = read(parameters(file.path(), {{"a", column("a", unit("m"))}}));
   REQUIRE(levels[1].t0 == no_time);
-  const auto fixed = read(with(rate_and_level(file.path()), "interval", instant(0.25)));
+  const auto fixed = read(with_member(rate_and_level(file.path()), "interval", 0.25));
   REQUIRE(fixed[0].t0 == second * 3 / 4);
   REQUIRE(fixed[1].t0 == second * 7 / 4);
   const auto increments = read(parameters(file.path(), {{"w", column("w", unit("rad"), "increment")}}));
@@ -158,7 +162,7 @@ TEST_CASE("csv: levels are instants, a fixed interval is kept, increments have i
 
 TEST_CASE("csv: a column is taken by the field's name where none is given") {
   const TemporaryFile file("t,w,a\n1,5,6\n");
-  auto field = object({{"unit", unit("m")}, {"kind", text("level")}});
+  auto field = object({{"unit", unit("m")}, {"kind", "level"}});
   REQUIRE(read(parameters(file.path(), {{"a", field}}))[0].fields[0] == 6);
 }
 
@@ -180,7 +184,7 @@ TEST_CASE("csv: line ends, byte order mark, quotes, blanks, comments, empty line
 TEST_CASE("csv: quoted header names may hold the delimiter") {
   const TemporaryFile file("\"time, s\",\"w, deg/s\"\n1,2\n");
   auto value = parameters(file.path(), {{"w", column("w, deg/s")}});
-  value = with(value, "time", object({{"column", text("time, s")}, {"unit", unit("s")}}));
+  value = with_member(value, "time", object({{"column", "time, s"}, {"unit", unit("s")}}));
   REQUIRE(read(value)[0].fields[0] == 2);
 }
 
@@ -188,7 +192,7 @@ TEST_CASE("csv: other delimiters") {
   for (const auto& [delimiter, content] : std::vector<std::pair<std::string, std::string>>{
            {";", "t;w;a\n1;2;3\n"}, {"\t", "t\tw\ta\n1\t2\t3\n"}, {" ", "  t  w a\n 1   2\t3 \n"}}) {
     const TemporaryFile file(content);
-    const auto samples = read(with(rate_and_level(file.path()), "delimiter", text(delimiter)));
+    const auto samples = read(with_member(rate_and_level(file.path()), "delimiter", delimiter));
     REQUIRE(samples.size() == 1);
     REQUIRE(samples[0].fields == std::vector<double>{2, 3});
   }
@@ -196,37 +200,38 @@ TEST_CASE("csv: other delimiters") {
 
 TEST_CASE("csv: without header columns are numbers") {
   const TemporaryFile file("1,2,3\n2,4,5\n");
-  auto value = with(parameters(file.path(), {{"w", column("3")}}), "header", boolean(false));
+  auto value = with_member(parameters(file.path(), {{"w", column("3")}}), "header", false);
   const auto samples = read(value);
   REQUIRE(samples.size() == 2);
   REQUIRE(samples[1].fields[0] == 5);
   REQUIRE(samples[1].t == 2 * second);
-  value = with(parameters(file.path(), {{"w", column("4")}}), "header", boolean(false));
+  value = with_member(parameters(file.path(), {{"w", column("4")}}), "header", false);
   REQUIRE(fault_of(value) == "/columns/w/column: '4' is not a column: without header, columns are numbers from 1 to 3");
 }
 
 TEST_CASE("csv: unit and offset of the labels") {
   const TemporaryFile file("w,a,ms\n1,2,1500.5\n");
-  const auto value = with(rate_and_level(file.path()), "time",
-                          object({{"column", text("ms")}, {"unit", unit("s", 1e-3)}, {"offset", instant(-0.5)}}));
+  const auto value = with_member(rate_and_level(file.path()), "time",
+                                 object({{"column", "ms"}, {"unit", unit("s", 1e-3)}, {"offset", -0.5}}));
   REQUIRE(read(value)[0].t == 1'000'500'000);
-  REQUIRE(fault_of(with(value, "time", object({{"unit", unit("m")}}))) ==
+  REQUIRE(fault_of(with_member(value, "time", object({{"unit", unit("m")}}))) ==
           "/time/unit: labels need a unit of time of whole nanoseconds, like \"s\", \"ms\", \"us\", \"ns\" or \"h\"");
 }
 
 TEST_CASE("csv: only the window is read, after the offset, and its first sample starts the clock") {
   const TemporaryFile file("t,w,a\n1,nan,1\n2,2,2\n3,3,3\n4,4,4\n5,x,5,5\n");
-  auto value = with(rate_and_level(file.path()), "time", object({{"unit", unit("s")}, {"offset", instant(10)}}));
-  value = with(value, "window", list({instant(12), instant(13.5)}));
+  auto value = with_member(rate_and_level(file.path()), "time", object({{"unit", unit("s")}, {"offset", 10}}));
+  value = with_member(value, "window", Json::array({12, 13.5}));
   const auto samples = read(value);
   REQUIRE(samples.size() == 2);
   REQUIRE(samples[0].t == 12 * second);
   REQUIRE(samples[0].t0 == no_time);
   REQUIRE(samples[1].t0 == 12 * second);
-  REQUIRE(fault_of(with(value, "window", list({instant(13), instant(12)}))) ==
+  REQUIRE(fault_of(with_member(value, "window", Json::array({13, 12}))) ==
           "/window: a window is [from, to] with from < to");
-  REQUIRE(fault_of(with(value, "window", list({instant(13)}))) == "/window: a window is [from, to] with from < to");
-  REQUIRE(fault_of(with(value, "window", list({instant(1), instant(2)}))) ==
+  REQUIRE(fault_of(with_member(value, "window", Json::array({13}))) ==
+          "/window: a window is [from, to] with from < to");
+  REQUIRE(fault_of(with_member(value, "window", Json::array({1, 2}))) ==
           "B066 line 0: no rows in the window; times run from 11 s to 11 s and on");
 }
 
@@ -320,7 +325,7 @@ TEST_CASE("csv: faults of rows, in exact words") {
           "B063 line 4: time does not increase: 2.4 s after 2.5 s");
   REQUIRE(fault_of_text("t,w,a\n1,2,3\n1.0,2,3\n") == "B063 line 3: time does not increase: 1 s after 1 s");
   const TemporaryFile file("1,2\n2\n");
-  const auto value = with(parameters(file.path(), {{"w", column("2")}}), "header", boolean(false));
+  const auto value = with_member(parameters(file.path(), {{"w", column("2")}}), "header", false);
   REQUIRE(fault_of(value) == "B062 line 2: 1 column where the first row has 2");
 }
 
@@ -338,7 +343,7 @@ TEST_CASE("csv: faults of the header point at the config and suggest a column") 
   REQUIRE(fault("pressure") ==
           "/columns/wx/column: no column 'pressure'; the header has: t_s, gx_radps, gx_radps, ax_mps2");
   REQUIRE(fault("gx_radps") == "/columns/wx/column: column 'gx_radps' appears in the header twice");
-  REQUIRE(fault_of(with(parameters(file.path(), {{"a/b", column("x")}}), "time", object({{"column", text("ts")}}))) ==
+  REQUIRE(fault_of(with_member(parameters(file.path(), {{"a/b", column("x")}}), "time", object({{"column", "ts"}}))) ==
           "/time/column: no column 'ts'; did you mean 't_s'? the header has: t_s, gx_radps, gx_radps, ax_mps2");
   REQUIRE(fault_of(parameters(file.path(), {{"a/b", column("x")}})).substr(0, 23) == "/columns/a~1b/column: n");
   const TemporaryFile numbers("1,2,3\n2,4,5\n");
@@ -352,9 +357,9 @@ TEST_CASE("csv: faults of the header point at the config and suggest a column") 
 
 TEST_CASE("csv: parameters that do not go together") {
   const TemporaryFile file("t,w,a\n1,2,3\n");
-  REQUIRE(fault_of(with(parameters(file.path(), {{"a", column("a")}}), "interval", instant(1))) ==
+  REQUIRE(fault_of(with_member(parameters(file.path(), {{"a", column("a")}}), "interval", 1)) ==
           "/interval: an interval needs a column of kind \"rate\" or \"increment\"");
-  REQUIRE(fault_of(with(rate_and_level(file.path()), "delimiter", text("ab"))) ==
+  REQUIRE(fault_of(with_member(rate_and_level(file.path()), "delimiter", "ab")) ==
           "/delimiter: a delimiter is one character, like \",\", \";\", \"\\t\" or \" \" for any run of blanks");
   REQUIRE(fault_of(parameters(file.path(), {})) == "/columns: no field is named");
 }
@@ -362,8 +367,8 @@ TEST_CASE("csv: parameters that do not go together") {
 TEST_CASE("csv: what stands for no data becomes NaN, in any spelling") {
   const TemporaryFile file("t,w,a\n1,-9999.0,\n2,n/a,3\n3,NaN,4\n4,5,-9999\n");
   auto field = column("w");
-  field = with(field, "missing", list({text("-9999"), text("n/a"), text("nan")}));
-  const auto optional = with(column("a"), "missing", list({text("")}));
+  field = with_member(field, "missing", Json::array({"-9999", "n/a", "nan"}));
+  const auto optional = with_member(column("a"), "missing", Json::array({""}));
   const auto samples = read(parameters(file.path(), {{"w", field}, {"a", optional}}));
   REQUIRE(samples.size() == 4);
   for (int i = 0; i < 3; ++i) REQUIRE(std::isnan(samples[static_cast<std::size_t>(i)].fields[0]));
@@ -378,7 +383,7 @@ TEST_CASE("csv: a label far ahead takes no earlier row with it, nor a sample bac
     const TemporaryFile file(rows);
     Warnings warnings;
     std::vector<Time> times;
-    for (const auto& sample : read(with(rate_and_level(file.path()), "invalid_rows", text("skip")), &warnings))
+    for (const auto& sample : read(with_member(rate_and_level(file.path()), "invalid_rows", "skip"), &warnings))
       times.push_back(sample.t);
     return times;
   };
@@ -392,7 +397,7 @@ TEST_CASE("csv: a label far ahead takes no earlier row with it, nor a sample bac
 TEST_CASE("csv: bad rows are skipped only on request, and counted") {
   const TemporaryFile file("t,w,a\n1,1,1\n2,nan,2\n3,3,3\n4,4\n5,inf,5\n5,5,5\n4.5,1,1\n6,x,6\n7,7,7\n");
   Warnings warnings;
-  const auto samples = read(with(rate_and_level(file.path()), "invalid_rows", text("skip")), &warnings);
+  const auto samples = read(with_member(rate_and_level(file.path()), "invalid_rows", "skip"), &warnings);
   REQUIRE(samples.size() == 4);
   REQUIRE(samples[1].t == 3 * second);
   REQUIRE(samples[1].t0 == second);  // stretched over the hole
@@ -410,14 +415,14 @@ TEST_CASE("csv: bad rows are skipped only on request, and counted") {
   REQUIRE(warnings.all[2].line == 3);
   REQUIRE(warnings.all[2].message == "2 rows skipped, the first: column 'w' is nan");
   const TemporaryFile useless("t,w,a\n1,x,1\n2,y,2\n");
-  REQUIRE(fault_of(with(rate_and_level(useless.path()), "invalid_rows", text("skip"))) ==
+  REQUIRE(fault_of(with_member(rate_and_level(useless.path()), "invalid_rows", "skip")) ==
           "B066 line 0: no rows remain: all rows in the window were skipped");
 }
 
 TEST_CASE("csv: gaps are reported once and restart the clock") {
   const TemporaryFile one("t,w,a\n1,1,1\n1.1,1,1\n3.4,1,1\n3.5,1,1\n");
   Warnings warnings;
-  auto samples = read(with(rate_and_level(one.path()), "max_gap", instant(0.5)), &warnings);
+  auto samples = read(with_member(rate_and_level(one.path()), "max_gap", 0.5), &warnings);
   REQUIRE(samples[1].t0 == second);
   REQUIRE(samples[2].t0 == no_time);
   REQUIRE(samples[3].t0 == samples[2].t);
@@ -428,8 +433,7 @@ TEST_CASE("csv: gaps are reported once and restart the clock") {
 
   const TemporaryFile three("t,w,a\n1,1,1\n2,1,1\n2.1,1,1\n5,1,1\n6,1,1\n");
   warnings.all.clear();
-  samples =
-      read(with(with(rate_and_level(three.path()), "max_gap", instant(0.5)), "interval", instant(0.1)), &warnings);
+  samples = read(with_member(with_member(rate_and_level(three.path()), "max_gap", 0.5), "interval", 0.1), &warnings);
   REQUIRE(samples[0].t0 == 900'000'000);
   REQUIRE(samples[1].t0 == no_time);
   REQUIRE(samples[2].t0 == 2 * second);
@@ -440,7 +444,7 @@ TEST_CASE("csv: gaps are reported once and restart the clock") {
 
   // A gap as long as max_gap is none.
   warnings.all.clear();
-  read(with(rate_and_level(one.path()), "max_gap", instant(2.3)), &warnings);
+  read(with_member(rate_and_level(one.path()), "max_gap", 2.3), &warnings);
   REQUIRE(warnings.all.empty());
 }
 
@@ -460,7 +464,8 @@ TEST_CASE("csv: without max_gap, ten median steps of rates are a gap, levels hav
 
 TEST_CASE("csv: the cursor is all of its memory") {
   const TemporaryFile file("t,w,a\n1,1,1\n2,2,2\n3,3,3\n");
-  CsvSource source(bind(rate_and_level(file.path())));
+  const auto bound = binnacle::testing::bind<CsvSource>({rate_and_level(file.path())});
+  CsvSource& source = *bound;
   Warnings warnings;
   source.open(warnings);
   const binnacle::testing::SourceCaller caller(source);
@@ -483,7 +488,7 @@ TEST_CASE("csv: the spec is complete") {
   REQUIRE(spec.type == "csv");
   REQUIRE(!spec.summary.empty());
   REQUIRE(!spec.example.empty());
-  REQUIRE(undocumented(spec.parameters) == "");
+  REQUIRE(binnacle::test::undocumented(spec.parameters) == "");
 }
 
 TEST_CASE("csv: a recorded drive of 127 000 rows is read in a fraction of a second", "[data]") {
@@ -500,7 +505,8 @@ TEST_CASE("csv: a recorded drive of 127 000 rows is read in a fraction of a seco
   Warnings warnings;
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu_begin = std::clock();
-  CsvSource source(bind(value));
+  const auto bound = binnacle::testing::bind<CsvSource>({value});
+  CsvSource& source = *bound;
   source.open(warnings);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   const double cpu = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
@@ -520,3 +526,5 @@ TEST_CASE("csv: a recorded drive of 127 000 rows is read in a fraction of a seco
   REQUIRE(last.fields[0] == -0.0021347899298075172);
   REQUIRE(last.fields[5] == -4.8505859375);
 }
+
+}  // namespace csv_test

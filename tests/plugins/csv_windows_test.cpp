@@ -20,6 +20,8 @@
 #include "csv_files.hpp"
 #include "text/text_file.hpp"
 
+namespace csv_windows_test {
+
 using namespace binnacle;
 using namespace binnacle::csv_files;
 using csv::Limits;
@@ -27,13 +29,6 @@ using csv::Limits;
 namespace {
 
 using Random = std::mt19937_64;
-
-ParameterValue integer(int value) {
-  ParameterValue v;
-  v.type = ParameterValue::Type::integer;
-  v.integer = value;
-  return v;
-}
 
 std::size_t below(Random& random, std::size_t count) { return static_cast<std::size_t>(random() % count); }
 
@@ -55,11 +50,12 @@ struct Reading {
   bool operator==(const Reading&) const = default;
 };
 
-Reading outcome_of(const ParameterValue& value, const Limits& limits = {}) {
+Reading outcome_of(const Json& value, const Limits& limits = {}) {
   Reading outcome;
   Warnings warnings;
   try {
-    CsvSource source(bind(value), limits);
+    const auto bound = binnacle::testing::bind<CsvSource>({value}, limits);
+    CsvSource& source = *bound;
     source.open(warnings);
     const binnacle::testing::SourceCaller caller(source);
     auto memory = caller.fresh_memory(1);
@@ -73,7 +69,7 @@ Reading outcome_of(const ParameterValue& value, const Limits& limits = {}) {
   return outcome;
 }
 
-void require_same(const ParameterValue& value, const std::string& content) {
+void require_same(const Json& value, const std::string& content) {
   const Reading whole = outcome_of(value);
   INFO(content << "\nwhole: " << whole.said);
   for (const std::size_t window : {1U, 2U, 3U, 5U, 8U, 13U, 31U, 64U, 200U})
@@ -142,18 +138,17 @@ std::string some_rows(Random& random, bool may_be_odd) {
   return text;
 }
 
-ParameterValue layout(Random& random, const std::string& path, bool may_skip) {
-  auto value =
-      parameters(path,
-                 {{"w", with(column("w", unit("rad/s", random() % 2 ? 1 : 0.1), random() % 3 ? "rate" : "increment"),
-                             "missing", list({text("-9999"), text("")}))},
-                  {"a", column("a", unit("m"))},
-                  {"again", column("a", unit("m"))}});
-  if (random() % 4 == 0) value = with(value, "columns", object({{"a", column("a", unit("m"))}}));
-  if (random() % 3 == 0) value = with(value, "every", integer(static_cast<int>(1 + below(random, 6))));
-  if (random() % 4 == 0) value = with(value, "max_gap", instant(0.5));
-  if (random() % 4 == 0) value = with(value, "window", list({instant(1.1), instant(2)}));
-  if (may_skip && random() % 3 != 0) value = with(value, "invalid_rows", text("skip"));
+Json layout(Random& random, const std::string& path, bool may_skip) {
+  auto value = parameters(path, {{"w", with_member(column("w", unit("rad/s", random() % 2 ? 1 : 0.1),
+                                                          random() % 3 ? "rate" : "increment"),
+                                                   "missing", Json::array({"-9999", ""}))},
+                                 {"a", column("a", unit("m"))},
+                                 {"again", column("a", unit("m"))}});
+  if (random() % 4 == 0) value = with_member(value, "columns", object({{"a", column("a", unit("m"))}}));
+  if (random() % 3 == 0) value = with_member(value, "every", static_cast<int>(1 + below(random, 6)));
+  if (random() % 4 == 0) value = with_member(value, "max_gap", 0.5);
+  if (random() % 4 == 0) value = with_member(value, "window", Json::array({1.1, 2}));
+  if (may_skip && random() % 3 != 0) value = with_member(value, "invalid_rows", "skip");
   return value;
 }
 
@@ -226,9 +221,9 @@ TEST_CASE("csv: rows of one sample across windows and blocks") {
     }
     const TemporaryFile file(content);
     auto value = parameters(file.path(), {{"key", column("key")}, {"a", column("a")}});
-    value = with(value, "rows", object({{"key", text("key")}, {"max_rows", integer(6)}}));
-    if (random() % 2) value = with(value, "invalid_rows", text("skip"));
-    if (random() % 3 == 0) value = with(value, "every", integer(2));
+    value = with_member(value, "rows", object({{"key", "key"}, {"max_rows", 6}}));
+    if (random() % 2) value = with_member(value, "invalid_rows", "skip");
+    if (random() % 3 == 0) value = with_member(value, "every", 2);
     require_same(value, content);
   }
 }
@@ -261,9 +256,10 @@ TEST_CASE("csv: samples are read again from anywhere, by several threads") {
   const bool is_packed = GENERATE(false, true);
   const int every = GENERATE(1, 7);
   const TemporaryFile file(is_packed ? gzipped(content) : content, "data.csv");
-  const auto value = with(rate_and_level(file.path()), "every", integer(every));
+  const auto value = with_member(rate_and_level(file.path()), "every", every);
   const Reading whole = outcome_of(value);
-  CsvSource source(bind(value), {3000, 10000, 40000, 2});
+  const auto bound = binnacle::testing::bind<CsvSource>({value}, Limits{3000, 10000, 40000, 2});
+  CsvSource& source = *bound;
   Warnings warnings;
   source.open(warnings);
   const binnacle::testing::SourceCaller caller(source);
@@ -288,7 +284,8 @@ TEST_CASE("csv: a file that has changed since it was opened is a fault") {
   std::string content = "t,w,a\n";
   for (int i = 0; i < 2000; ++i) content += std::to_string(i) + ",1,2\n";
   const TemporaryFile file(content);
-  CsvSource source(bind(rate_and_level(file.path())), pieces(100, 1000));
+  const auto bound = binnacle::testing::bind<CsvSource>({rate_and_level(file.path())}, pieces(100, 1000));
+  CsvSource& source = *bound;
   Warnings warnings;
   source.open(warnings);
   content[content.rfind("1,2")] = '3';
@@ -360,7 +357,7 @@ TEST_CASE("csv: recorded drives by windows as in memory", "[data]") {
     if (!std::filesystem::exists(imu)) continue;
     const auto rate = [](const char* name) { return column(name, unit("1"), "rate"); };
     auto value = parameters(imu.string(), {{"wx", rate("gx_radps")}, {"fz", rate("az_mps2")}});
-    value = with(value, "time", object({{"column", text("t_s")}, {"unit", unit("s")}}));
+    value = with_member(value, "time", object({{"column", "t_s"}, {"unit", unit("s")}}));
     const Reading whole = outcome_of(value);
     INFO(imu << whole.said);
     REQUIRE(whole.samples.size() > 1000);
@@ -369,3 +366,5 @@ TEST_CASE("csv: recorded drives by windows as in memory", "[data]") {
   }
   REQUIRE(samples > 10000);
 }
+
+}  // namespace csv_windows_test

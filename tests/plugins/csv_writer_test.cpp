@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "csv_files.hpp"
 
+namespace csv_writer_test {
+
 namespace {
 
 using namespace binnacle;
@@ -35,9 +37,8 @@ void write(csv::CsvWriter& writer, Time t, const std::vector<double>& fields) {
   writer.on(Input(0, true), view);
 }
 
-ParameterValue written(const std::string& path, std::vector<std::pair<std::string, ParameterValue>> columns) {
-  return object(
-      {{"path", text(path)}, {"columns", object(std::move(columns))}, {"time", text("t")}, {"offset", instant(0.5)}});
+Json written(const std::string& path, Members columns) {
+  return object({{"path", path}, {"columns", object(std::move(columns))}, {"time", "t"}, {"offset", 0.5}});
 }
 
 }  // namespace
@@ -45,9 +46,10 @@ ParameterValue written(const std::string& path, std::vector<std::pair<std::strin
 TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
   const TemporaryFile file("what was there before");
   const double degree = std::numbers::pi / 180;
-  csv::CsvWriter writer(bind_as<csv::CsvWriter>(
-      written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", text("a")}})},
-                            {"wz", object({{"unit", unit("rad/s", degree)}, {"column", text("w")}})}})));
+  const auto bound = binnacle::testing::bind<csv::CsvWriter>(
+      {written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", "a"}})},
+                             {"wz", object({{"unit", unit("rad/s", degree)}, {"column", "w"}})}})});
+  csv::CsvWriter& writer = *bound;
   writer.open();
   write(writer, -510'000'000, writable({{"fx", 9.80665}, {"wz", 0.3 * degree}}));
   write(writer, 0, writable({{"vn", 3}}));  // no number of the two: left out
@@ -61,7 +63,7 @@ TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
   const std::string content{std::istreambuf_iterator<char>(stream), {}};
   CHECK(content == "t,a,w\n-0.01,1,0.3\n1700000000.123456789,,1\n");
   auto gap = column("a", unit("m/s^2", 9.80665));
-  gap.members.emplace_back("missing", list({text("")}));
+  gap["missing"] = Json::array({""});
   const auto samples = read(parameters(file.path(), {{"wz", column("w", unit("rad/s", degree))}, {"fx", gap}}));
   REQUIRE(samples.size() == 2);
   CHECK(samples[0].t == -10'000'000);
@@ -72,9 +74,10 @@ TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
 }
 
 TEST_CASE("csv_writer says what it cannot write") {
-  const auto refusal = [](const ParameterValue& value) -> std::string {
+  const auto refusal = [](const Json& value) -> std::string {
     try {
-      csv::CsvWriter writer(bind_as<csv::CsvWriter>(value));
+      const auto bound = binnacle::testing::bind<csv::CsvWriter>({value});
+      csv::CsvWriter& writer = *bound;
       writer.open();
       write(writer, 0, writable({{"vn", 1}}));
       writer.close();
@@ -94,3 +97,5 @@ TEST_CASE("csv_writer says what it cannot write") {
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(file.path()).parent_path()))
     CHECK_FALSE(entry.path().string().starts_with(file.path() + ".part"));
 }
+
+}  // namespace csv_writer_test

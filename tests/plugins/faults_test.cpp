@@ -9,9 +9,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bind.hpp"
+#include "binnacle/bind.hpp"
 #include "binnacle/geodesy.hpp"
 #include "catch.hpp"
+
+namespace faults_test {
 
 namespace {
 
@@ -45,15 +47,9 @@ enum { at_lat, at_lon, at_height, at_v };
 class Bench final : public Emitter {
  public:
   explicit Bench(const Json& faults, ChannelDeclaration its_channel = channel(), std::uint64_t seed = 7)
-      : spec_(faults::Faults::spec()), channel_(std::move(its_channel)) {
-    test::Setup setup;
-    setup.parameters = {{"faults", faults}};
-    const ParameterValue value = test::detail::object_value(spec_.parameters, setup.parameters, setup);
-    transform_ = std::make_unique<faults::Faults>(Binding({.name = "bad",
-                                                           .parameters = Parameters(value),
-                                                           .spec = &spec_,
-                                                           .inputs_bound = {true},
-                                                           .channels = {&channel_}}));
+      : channel_(std::move(its_channel)),
+        transform_(testing::bind<faults::Faults>(
+            {.parameters = Json{{"faults", faults}}, .channels = {{"samples", &channel_}}, .name = "bad"})) {
     memory_.resize(transform_->declaration().memory_bytes + 1);
     transform_->start(seed, memory_.data());
   }
@@ -93,7 +89,6 @@ class Bench final : public Emitter {
   std::vector<Sample> said;
 
  private:
-  ComponentSpec spec_;
   ChannelDeclaration channel_;
   std::unique_ptr<faults::Faults> transform_;
   std::vector<std::byte> memory_;
@@ -267,3 +262,5 @@ TEST_CASE("faults: what cannot be is refused at its place") {
   CHECK(refusal({{"kind", "negate"}, {"fields", {"covariance"}}}).starts_with("/faults/0/fields/0: 'covariance' can"));
   CHECK(refusal({{"kind", "ramp"}, {"fields", {"v"}}, {"by", 1}}) == "/faults/0: a ramp needs 'from' and 'until'");
 }
+
+}  // namespace faults_test

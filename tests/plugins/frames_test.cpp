@@ -11,11 +11,12 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace frames_test {
 
 using namespace binnacle;
 using namespace binnacle::frames;
@@ -312,3 +313,5 @@ TEST_CASE("rotate axes: turning recorded samples by -10 mrad about z adds 10 mra
   };
   REQUIRE((C(euler_turned) * v_turned - C(euler) * v_b).norm() < 1e-14);
 }
+
+}  // namespace frames_test

@@ -6,9 +6,10 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
+
+namespace gnss_fix_test {
 
 using namespace binnacle;
 using namespace binnacle::gnss_fix;
@@ -186,3 +187,5 @@ TEST_CASE("position and velocity fix: ECEF to north east down, with the whole co
   std::vector<double> buffer(64);
   REQUIRE_THROWS_AS((bind<PvFix>({{}, {{"position", &position}, {"velocity", &velocity}}, {}})), ComponentError);
 }
+
+}  // namespace gnss_fix_test

@@ -2,6 +2,7 @@
 // Alignment in motion: any attitude, any direction, no rest; its covariance; no attitude where motion does not show it.
 #include "in_motion_alignment/in_motion_alignment.hpp"
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
 #include <cmath>
@@ -13,11 +14,13 @@
 #include <Eigen/Dense>
 
 #include "catch.hpp"
-#include "parameter_values.hpp"
+#include "json_members.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace in_motion_alignment_test {
+
 using namespace binnacle;
-using namespace binnacle::parameter_values;
+using namespace binnacle::json_members;
 using binnacle::in_motion_alignment::InMotionAlignment;
 namespace sd = binnacle::strapdown;
 using Eigen::Matrix3d;
@@ -28,17 +31,17 @@ namespace {
 
 constexpr double deg = M_PI / 180, g = 9.80665;
 
-std::vector<std::pair<std::string, ParameterValue>> defaults() {
-  return {{"window", instant(20)},         {"every", instant(1)},        {"max_heading_sd", number(5 * deg)},
-          {"max_misfit", number(3)},       {"velocity_sd", number(0.1)}, {"accelerometer_bias", number(0.02 * g)},
-          {"gyro_bias", number(0.5 * deg)}};
+Members defaults() {
+  return {{"window", 20},          {"every", 1},         {"max_heading_sd", 5 * deg},
+          {"max_misfit", 3},       {"velocity_sd", 0.1}, {"accelerometer_bias", 0.02 * g},
+          {"gyro_bias", 0.5 * deg}};
 }
 
 /// Of a vehicle that drives forward.
-ParameterValue with_course() {
+Json with_course() {
   auto parameters = defaults();
-  parameters.push_back({"course", number(3 * deg)});
-  parameters.push_back({"min_speed", number(3)});
+  parameters.push_back({"course", 3 * deg});
+  parameters.push_back({"min_speed", 3});
   return object(std::move(parameters));
 }
 
@@ -51,8 +54,8 @@ struct Output {
 /// The transform with its memory and what it has emitted.
 class Aligner {
  public:
-  explicit Aligner(const ParameterValue& parameters = object(defaults()))
-      : transform_(bind_as<InMotionAlignment>(parameters)) {
+  explicit Aligner(const Json& parameters = object(defaults()))
+      : transform_(testing::BoundTo(spec_, {parameters}).binding()) {
     memory = testing::TransformCaller(transform_, spec_).fresh_memory(1);
   }
   void offer(std::size_t input, Time t0, Time t, const std::vector<double>& fields) {
@@ -249,7 +252,7 @@ TEST_CASE("in motion: without speed there is no course, and a whole window needs
 }
 
 TEST_CASE("in motion: of a sensor that is spoilt no attitude comes, and with the course a coarse one") {
-  const auto worst = [](const ParameterValue& parameters, std::size_t& count) {
+  const auto worst = [](const Json& parameters, std::size_t& count) {
     double error = 0;
     for (std::uint32_t seed = 1; seed <= 10; ++seed) {
       Ride ride;
@@ -271,3 +274,5 @@ TEST_CASE("in motion: of a sensor that is spoilt no attitude comes, and with the
   CHECK(alone > 0);
   CHECK(by_course > 2 * alone);
 }
+
+}  // namespace in_motion_alignment_test

@@ -11,7 +11,6 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/rotation.hpp"
 

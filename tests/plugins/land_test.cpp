@@ -12,10 +12,11 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace land_test {
 
 using namespace binnacle;
 using namespace binnacle::land;
@@ -273,3 +274,5 @@ TEST_CASE("odometer: Jacobians, scale factor, refusals") {
   REQUIRE(measured(*model, at(1, slow), ports).result.refusal == Refusal::unsupported);
   REQUIRE(measured(*model, at(1, bad), ports).result.refusal == Refusal::invalid);
 }
+
+}  // namespace land_test

@@ -12,6 +12,8 @@
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
 
+namespace local_position_test {
+
 using namespace binnacle;
 using namespace binnacle::frames;
 using namespace binnacle::test;
@@ -76,3 +78,5 @@ TEST_CASE("geodetic_from_local is the inverse, with down or with up", "[frames]"
 TEST_CASE("local coordinates without an origin are refused", "[frames]") {
   CHECK_THROWS_WITH(bind<LocalFromGeodetic>({}), Contains("local coordinates need an origin") && Contains("(/origin)"));
 }
+
+}  // namespace local_position_test

@@ -3,16 +3,18 @@
 #include "frames/mounting.hpp"
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "binnacle/bind.hpp"
 #include "catch.hpp"
-#include "parameter_values.hpp"
+#include "json_members.hpp"
+
+namespace mounting_test {
 
 using namespace binnacle;
-using namespace binnacle::parameter_values;
+using namespace binnacle::json_members;
 using Catch::Matchers::Contains;
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
@@ -20,38 +22,25 @@ using Eigen::Vector3d;
 
 namespace {
 
-using Members = std::vector<std::pair<std::string, ParameterValue>>;
+Json vector(const std::vector<double>& numbers) { return numbers; }
 
-ParameterValue vector(std::vector<double> numbers) {
-  ParameterValue v;
-  v.type = ParameterValue::Type::vector;
-  v.rows = static_cast<int>(numbers.size());
-  v.cols = 1;
-  v.numbers = std::move(numbers);
-  return v;
+Json matrix(const Matrix3d& M) {
+  Json rows = Json::array();
+  for (const auto& row : M.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
+  return rows;
 }
 
-ParameterValue matrix(const Matrix3d& M) {
-  ParameterValue v = vector({M.data(), M.data() + 9});
-  v.type = ParameterValue::Type::matrix;
-  v.rows = v.cols = 3;
-  return v;
-}
-
-Matrix3d rotation(Members given) {
-  Members all{{"roll", number(0)},
-              {"pitch", number(0)},
-              {"yaw", number(0)},
-              {"flip", text("none")},
-              {"inverse", boolean(false)}};
-  ParameterValue value = object(std::move(all));
-  for (auto& [key, member] : given) value = with(std::move(value), key, std::move(member));
+Matrix3d rotation(const Members& given) {
+  ComponentSpec spec;
+  spec.type = "mounted";
+  spec.parameters = frames::mounting_parameters();
+  const ParameterValue value = testing::read_parameters(spec, {object(given)});
   return frames::mounting_rotation(Parameters(value));
 }
 
-std::string said(Members given) {
+std::string said(const Members& given) {
   try {
-    rotation(std::move(given));
+    rotation(given);
   } catch (const ComponentError& error) {
     return error.pointer() + ": " + error.what();
   }
@@ -66,32 +55,30 @@ const Matrix3d nominal =
 
 TEST_CASE("a mounting by angles, turns, quaternion and matrix is the same", "[frames]") {
   const Eigen::Quaterniond q(nominal);
-  CHECK(rotation({{"roll", number(1.1)}, {"pitch", number(-0.2)}, {"yaw", number(0.3)}}).isApprox(nominal, 1e-14));
-  CHECK(rotation({{"euler", object({{"order", text("zyx")}, {"angles", vector({0.3, -0.2, 1.1})}})}})
+  CHECK(rotation({{"roll", 1.1}, {"pitch", -0.2}, {"yaw", 0.3}}).isApprox(nominal, 1e-14));
+  CHECK(
+      rotation({{"euler", object({{"order", "zyx"}, {"angles", vector({0.3, -0.2, 1.1})}})}}).isApprox(nominal, 1e-14));
+  CHECK(rotation({{"quaternion", object({{"order", "wxyz"}, {"values", vector({q.w(), q.x(), q.y(), q.z()})}})}})
             .isApprox(nominal, 1e-14));
-  CHECK(rotation({{"quaternion", object({{"order", text("wxyz")}, {"values", vector({q.w(), q.x(), q.y(), q.z()})}})}})
-            .isApprox(nominal, 1e-14));
-  CHECK(rotation({{"quaternion", object({{"order", text("xyzw")}, {"values", vector({q.x(), q.y(), q.z(), q.w()})}})}})
+  CHECK(rotation({{"quaternion", object({{"order", "xyzw"}, {"values", vector({q.x(), q.y(), q.z(), q.w()})}})}})
             .isApprox(nominal, 1e-14));
   CHECK(rotation({{"matrix", matrix(nominal)}}).isApprox(nominal, 1e-14));
-  CHECK(rotation({{"matrix", matrix(nominal)}, {"inverse", boolean(true)}}).isApprox(nominal.transpose(), 1e-14));
+  CHECK(rotation({{"matrix", matrix(nominal)}, {"inverse", true}}).isApprox(nominal.transpose(), 1e-14));
   const Matrix3d flipped = Vector3d(1, -1, -1).asDiagonal() * nominal;
-  CHECK(rotation({{"matrix", matrix(nominal)}, {"flip", text("flu_to_frd")}}).isApprox(flipped, 1e-14));
-  CHECK(rotation({{"matrix", matrix(nominal)}, {"flip", text("flu_to_frd")}, {"inverse", boolean(true)}})
+  CHECK(rotation({{"matrix", matrix(nominal)}, {"flip", "flu_to_frd"}}).isApprox(flipped, 1e-14));
+  CHECK(rotation({{"matrix", matrix(nominal)}, {"flip", "flu_to_frd"}, {"inverse", true}})
             .isApprox(flipped.transpose(), 1e-14));
 }
 
 TEST_CASE("turns are multiplied in the order that is written", "[frames]") {
   // A quarter turn about z, then what comes after it in the product: x' = z.
   const double quarter = M_PI / 2;
-  const Matrix3d zxy =
-      rotation({{"euler", object({{"order", text("zxy")}, {"angles", vector({quarter, 0.4, -0.7})}})}});
+  const Matrix3d zxy = rotation({{"euler", object({{"order", "zxy"}, {"angles", vector({quarter, 0.4, -0.7})}})}});
   CHECK(zxy.isApprox((AngleAxisd(quarter, Vector3d::UnitZ()) * AngleAxisd(0.4, Vector3d::UnitX()) *
                       AngleAxisd(-0.7, Vector3d::UnitY()))
                          .toRotationMatrix(),
                      1e-14));
-  const Matrix3d xz =
-      rotation({{"euler", object({{"order", text("xzx")}, {"angles", vector({quarter, quarter, 0})}})}});
+  const Matrix3d xz = rotation({{"euler", object({{"order", "xzx"}, {"angles", vector({quarter, quarter, 0})}})}});
   CHECK((xz * Vector3d::UnitX() - Vector3d::UnitZ()).norm() < 1e-14);  // Rz: x to y; Rx: y to z
 }
 
@@ -118,11 +105,12 @@ TEST_CASE("what is no rotation is refused with what was found", "[frames]") {
   CHECK(said({{"matrix", matrix(long_row)}}) == "/matrix: row 2 of a rotation has the length 1; found 1.2");
   CHECK(said({{"matrix", matrix(oblique)}}) ==
         "/matrix: rows of a rotation are orthogonal; the product of row 3 and row 1 is 0.6");
-  CHECK(said({{"quaternion", object({{"order", text("wxyz")}, {"values", vector({1, 1, 0, 0})}})}}) ==
+  CHECK(said({{"quaternion", object({{"order", "wxyz"}, {"values", vector({1, 1, 0, 0})}})}}) ==
         "/quaternion/values: the norm of a unit quaternion is 1; found 1.414");
-  CHECK_THAT(said({{"matrix", matrix(nominal)}, {"yaw", number(0.1)}}),
+  CHECK_THAT(said({{"matrix", matrix(nominal)}, {"yaw", 0.1}}),
              Contains("/matrix: the rotation is given twice, by roll, pitch, yaw too"));
-  CHECK_THAT(said({{"matrix", matrix(nominal)},
-                   {"euler", object({{"order", text("zyx")}, {"angles", vector({0, 0, 0})}})}}),
+  CHECK_THAT(said({{"matrix", matrix(nominal)}, {"euler", object({{"order", "zyx"}, {"angles", vector({0, 0, 0})}})}}),
              Contains("/matrix: the rotation is given twice, by 'euler' too"));
 }
+
+}  // namespace mounting_test

@@ -7,6 +7,8 @@
 #include "inertial_bench.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace navigation_test {
+
 using namespace binnacle;
 using namespace binnacle::navigation;
 using namespace binnacle::test;
@@ -130,3 +132,5 @@ TEST_CASE("attitude: near the vertical the outputs have no Jacobian", "[navigati
   REQUIRE(J == Eigen::Matrix3d::Constant(7));
   REQUIRE(gives(1.1e-3));
 }
+
+}  // namespace navigation_test

@@ -13,10 +13,11 @@
 #include "bind.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "random/normal.hpp"
 #include "strapdown/earth.hpp"
+
+namespace odometry_test {
 
 using namespace binnacle;
 using namespace binnacle::odometry;
@@ -401,3 +402,5 @@ TEST_CASE("odometry: what makes nothing of the speed is refused") {
   ProcessCheck(*model, PlanarOdometry::spec()).propagate(car.ports(), wild.step, {}, other);
   CHECK(other.text().find("beyond that of any vehicle") != std::string::npos);
 }
+
+}  // namespace odometry_test

@@ -8,6 +8,8 @@
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace phi_error_test {
+
 using namespace binnacle;
 using namespace binnacle::phi_error;
 using namespace binnacle::test;
@@ -272,3 +274,5 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
 TEST_CASE("phi_error: without errors of the position the other blocks keep their bits", "[phi_error]") {
   check_frozen_position<PhiErrorProcess>();
 }
+
+}  // namespace phi_error_test

@@ -11,6 +11,8 @@
 #include "ship_voyage.hpp"
 #include "strapdown/earth.hpp"
 
+namespace psi_error_test {
+
 using namespace binnacle;
 using namespace binnacle::psi_error;
 using namespace binnacle::test;
@@ -337,3 +339,5 @@ TEST_CASE("psi_error: without errors of the position the other blocks keep their
   check_frozen_position<PsiErrorProcess>();
   check_frozen_position<PsiErrorProcess>(in_computed_axes);
 }
+
+}  // namespace psi_error_test

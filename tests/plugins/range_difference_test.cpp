@@ -11,10 +11,11 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "refusal.hpp"
 #include "strapdown/earth.hpp"
+
+namespace range_difference_test {
 
 using namespace binnacle;
 using namespace binnacle::aiding;
@@ -157,3 +158,5 @@ TEST_CASE("range difference: what does not fit, and rows that cannot be used", "
   CHECK(keys({5, 2, NAN, 5, 3, NAN}, {30, 0, -4}) == Keys{3});
   CHECK(keys({5, 2, NAN, 5, 3, NAN}, {0, 0, 0}).empty());  // at the reference
 }
+
+}  // namespace range_difference_test

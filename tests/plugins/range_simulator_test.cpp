@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "strapdown/earth.hpp"
 
+namespace range_simulator_test {
+
 using namespace binnacle;
 using namespace binnacle::aiding_simulator;
 using namespace binnacle::test;
@@ -163,3 +165,5 @@ TEST_CASE("aiding_simulator: differences have the errors of two arrivals, and sh
   CHECK(std::abs(square / 0.02 - 1) < 4 * std::sqrt(2.0 / samples));
   CHECK(std::abs(product - 0.01) < 4 * std::sqrt(5.0 / samples) * 0.01);
 }
+
+}  // namespace range_simulator_test

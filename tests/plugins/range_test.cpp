@@ -10,10 +10,11 @@
 
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "refusal.hpp"
 #include "strapdown/earth.hpp"
+
+namespace range_test {
 
 using namespace binnacle;
 using namespace binnacle::aiding;
@@ -266,3 +267,5 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
   CHECK(says(refusal_of<Range>({good, {{"position", &position}, {"bias", &two}}, plain}),
              "/blocks/bias: its block has 2 components where 'anchors' lists 3"));
 }
+
+}  // namespace range_test

@@ -10,12 +10,13 @@
 #include <Eigen/Dense>
 #include <nlohmann/json.hpp>
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "config/document.hpp"
 #include "random/normal.hpp"
 #include "robust/robust_noise.hpp"
-#include "spec/check.hpp"
+
+namespace robust_test {
 
 using namespace binnacle;
 using namespace binnacle::robust;
@@ -31,12 +32,7 @@ constexpr Loss losses[] = {Loss::huber, Loss::cauchy, Loss::student_t, Loss::dcs
 
 std::unique_ptr<NoiseEstimator> make(Loss loss, const Json& config, int max_rows) {
   const auto bound = [&]<class Estimator>() -> std::unique_ptr<NoiseEstimator> {
-    Diagnostics diagnostics;
-    const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
-    const ParameterValue value = Reader(document, diagnostics).parameters(Estimator::spec().parameters, "estimator");
-    INFO(diagnostics.text());
-    REQUIRE(diagnostics.empty());
-    return std::make_unique<Estimator>(Binding({"fix", Parameters(value)}), NoiseBinding{max_rows, {{"rows", "m"}}});
+    return binnacle::testing::bind<Estimator>({.parameters = config, .noise = {max_rows, {{"rows", "m"}}}});
   };
   switch (loss) {
     case Loss::huber: return bound.operator()<Huber>();
@@ -441,3 +437,5 @@ TEST_CASE("robust: nothing is remembered, and the examples are accepted") {
     make(loss, Json::parse(Huber::spec().example), 2);
   }
 }
+
+}  // namespace robust_test

@@ -11,12 +11,13 @@
 #include "bind.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 
 #include "../../plugins/ship_motion/motion.hpp"
 #include "../../plugins/ship_motion/motion_parameters.hpp"
 #include "../../plugins/ship_motion/shaping_fit.hpp"
 #include "../../plugins/ship_motion/simulator.hpp"
+
+namespace ship_motion_fit_test {
 
 using namespace binnacle;
 using namespace binnacle::ship_motion;
@@ -55,10 +56,7 @@ struct Bound {
   Findings findings;
 
   explicit Bound(const Json& json) {
-    const ComponentSpec spec = Simulator::spec();
-    const ParameterValue parameters = detail::object_value(spec.parameters, json, {});
-    simulator = std::make_unique<Simulator>(
-        Binding({.name = "sea", .parameters = Parameters(parameters), .findings = &findings}));
+    simulator = testing::bind<Simulator>({.parameters = json, .name = "sea", .findings = &findings});
   }
   double figure(const std::string& name) const {
     for (const auto& figure : findings.figures)
@@ -430,3 +428,5 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
   REQUIRE(why(other) == "the record contains no motion/fit/record");
   REQUIRE(why(record).find("a segment of 10 samples") == 0);
 }
+
+}  // namespace ship_motion_fit_test

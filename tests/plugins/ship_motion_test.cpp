@@ -2,12 +2,13 @@
 // Plugin ship_motion: shaping filters, the rate gyro as input, the gyros as measurements.
 #include "bind.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 
 #include "../../plugins/ship_motion/gyro.hpp"
 #include "../../plugins/ship_motion/motion.hpp"
 #include "../../plugins/ship_motion/rate_integral.hpp"
+
+namespace ship_motion_test {
 
 using namespace binnacle;
 using namespace binnacle::ship_motion;
@@ -115,3 +116,5 @@ TEST_CASE("gyros: axes that are bound, with their errors", "[ship_motion]") {
                     ComponentError);
   REQUIRE_THROWS_AS(bind<DirectionalGyro>({{{"sigma", 0.01}}, {{"yaw", &angle}}, {"yaw"}}), ComponentError);
 }
+
+}  // namespace ship_motion_test

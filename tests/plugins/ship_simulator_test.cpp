@@ -17,6 +17,8 @@
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace ship_simulator_test {
+
 using namespace binnacle;
 using namespace binnacle::ship_simulator;
 using namespace binnacle::simulation;
@@ -491,3 +493,5 @@ TEST_CASE("ship: refuses a mounting that is no rotation, and tones beside a spec
   const Json example = Json::parse(Sim::spec().example);
   REQUIRE(pointer_of(example) == "accepted");
 }
+
+}  // namespace ship_simulator_test

@@ -2,6 +2,7 @@
 // A simulator for tests: with parameters from JSON as the kernel checks them, sample by sample.
 #pragma once
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
 #include <memory>
@@ -13,8 +14,6 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "config/document.hpp"
-#include "spec/check.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::simulation {
@@ -23,13 +22,7 @@ using Json = nlohmann::ordered_json;
 
 template <class Simulator>
 ParameterValue checked(const Json& config) {
-  Diagnostics diagnostics;
-  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
-  const ComponentSpec spec = Simulator::spec();
-  ParameterValue value = Reader(document, diagnostics).parameters(spec.parameters, spec.type);
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return value;
+  return testing::read_parameters(Simulator::spec(), {config});
 }
 
 struct Emitted {
@@ -46,8 +39,7 @@ template <class Simulator>
 class Simulation {
  public:
   explicit Simulation(const Json& config, std::uint64_t seed = 1) {
-    const ParameterValue parameters = checked<Simulator>(config);
-    source_ = std::make_shared<Simulator>(Binding({"simulated", Parameters(parameters)}));
+    source_ = testing::bind<Simulator>({config});
     struct Quiet final : Reporter {
       void warn(const std::string&, const std::string&, int, const std::string&) override {}
     } quiet;

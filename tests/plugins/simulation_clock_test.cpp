@@ -7,6 +7,8 @@
 
 #include "catch.hpp"
 
+namespace simulation_clock_test {
+
 using binnacle::Time;
 using binnacle::simulation::Clock;
 using binnacle::simulation::never;
@@ -28,3 +30,5 @@ TEST_CASE("a simulator's clock is never due at a tick that no run counts") {
                                      std::int64_t{1'900'000'000'000}, std::numeric_limits<std::int64_t>::max()})
     CHECK(clock.due(damaged, end) == never);
 }
+
+}  // namespace simulation_clock_test

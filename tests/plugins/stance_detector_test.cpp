@@ -12,6 +12,8 @@
 #include "binnacle/view.hpp"
 #include "catch.hpp"
 
+namespace stance_detector_test {
+
 using namespace binnacle;
 using namespace binnacle::stationary_detector;
 using namespace binnacle::test;
@@ -170,3 +172,5 @@ TEST_CASE("stance detector: a bias is taken off the rates, and not off what it r
   REQUIRE(bench.of(standing).size() == 1);
   CHECK(bench.of(standing)[0].fields[0] == 0.3);
 }
+
+}  // namespace stance_detector_test

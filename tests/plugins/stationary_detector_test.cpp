@@ -13,6 +13,8 @@
 #include "binnacle/view.hpp"
 #include "catch.hpp"
 
+namespace stationary_detector_test {
+
 using namespace binnacle;
 using namespace binnacle::stationary_detector;
 using namespace binnacle::test;
@@ -311,3 +313,5 @@ TEST_CASE("asked to emit as often as it receives, or more often, it emits nothin
       }
   }
 }
+
+}  // namespace stationary_detector_test

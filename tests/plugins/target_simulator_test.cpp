@@ -10,10 +10,11 @@
 #include <Eigen/Dense>
 #include <nlohmann/json.hpp>
 
+#include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "config/document.hpp"
-#include "spec/check.hpp"
+
+namespace target_simulator_test {
 
 using namespace binnacle;
 using namespace binnacle::target_simulator;
@@ -22,13 +23,7 @@ using nlohmann::json;
 namespace {
 
 std::unique_ptr<TargetSimulator> bound(const json& config) {
-  Diagnostics diagnostics;
-  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
-  const ParameterValue value =
-      Reader(document, diagnostics).parameters(TargetSimulator::spec().parameters, "target_simulator");
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return std::make_unique<TargetSimulator>(Binding({"target", Parameters(value)}));
+  return binnacle::testing::bind<TargetSimulator>({config});
 }
 
 struct Point {
@@ -118,3 +113,5 @@ TEST_CASE("target_simulator: starts, increments and bearings are spread as speci
   CHECK(is_near(increments(0, 1), q * dt * dt / 2, count / 2));
   CHECK(is_near(angle / (count / 2), 0.02 * 0.02, count / 2));
 }
+
+}  // namespace target_simulator_test

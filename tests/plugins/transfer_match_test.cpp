@@ -15,11 +15,12 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
-#include "kind_blocks.hpp"
 #include "model_check.hpp"
 #include "ship_voyage.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace transfer_match_test {
 
 using namespace binnacle;
 using namespace binnacle::test;
@@ -430,3 +431,5 @@ TEST_CASE("an alignment without noise finds attitude and mounting", "[transfer_m
     CHECK(aligned.mounting.norm() < 0.01 * mil);
   }
 }
+
+}  // namespace transfer_match_test

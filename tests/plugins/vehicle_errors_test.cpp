@@ -8,6 +8,8 @@
 #include "simulated_drive.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace vehicle_errors_test {
+
 using namespace binnacle;
 using namespace binnacle::simulated_drive;
 
@@ -235,3 +237,5 @@ TEST_CASE("the initial estimate has the errors that its covariance states") {
   }
   REQUIRE(scatter.is_white());
 }
+
+}  // namespace vehicle_errors_test

@@ -14,6 +14,8 @@
 #include "vehicle_simulator/simulator.hpp"
 #include "vehicle_simulator/spline_noise.hpp"
 
+namespace vehicle_ride_test {
+
 using namespace binnacle;
 using namespace binnacle::simulation;
 using namespace binnacle::vehicle_simulator;
@@ -257,3 +259,5 @@ TEST_CASE("spline noise: derivatives, deviation, independence, and an answer tha
     REQUIRE(std::abs(bend - at.second) < 1e-4);
   }
 }
+
+}  // namespace vehicle_ride_test

@@ -13,8 +13,11 @@
 #include "binnacle/unit.hpp"
 #include "catch.hpp"
 #include "simulated_drive.hpp"
+#include "spec/check.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
+
+namespace vehicle_simulator_test {
 
 using namespace binnacle;
 using namespace binnacle::simulated_drive;
@@ -442,3 +445,5 @@ TEST_CASE("the declaration is complete and its example works") {
     }
   REQUIRE(drive.rest().size() > 1000);
 }
+
+}  // namespace vehicle_simulator_test

@@ -13,6 +13,8 @@
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
+namespace walk_simulator_test {
+
 using namespace binnacle;
 using namespace binnacle::walk_simulator;
 using Eigen::Vector3d;
@@ -158,3 +160,5 @@ TEST_CASE("walk simulator: rates are increments over their interval, truth has i
   CHECK(refusal({{"do", "walk"}, {"strides", 2}, {"duration", "1 s"}}) ==
         "/legs/0/duration: 'walk' does not take 'duration'");
 }
+
+}  // namespace walk_simulator_test

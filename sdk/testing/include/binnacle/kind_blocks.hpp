@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain state blocks of the standard kinds, for tests of models that bind to such kinds.
+// Plain state blocks of the standard kinds, for tests of models that bind to such kinds. Needs Eigen and nothing else.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "binnacle/state_block.hpp"
 #include "binnacle/view.hpp"
 
-namespace binnacle::test {
+namespace binnacle::testing {
 
 /// Written from the definition of the kinds alone, not with the functions that the plugins use.
 class KindBlock : public StateBlock {
@@ -108,4 +108,4 @@ class AttitudeKind final : public KindBlock {
   }
 };
 
-}  // namespace binnacle::test
+}  // namespace binnacle::testing
