@@ -55,10 +55,10 @@ def faults_in(sources, instead):
 
 
 class Run:
-    """The suite on a library, or on some of its types."""
+    """The suite on a library, or on some of its types; the type "" is the library itself."""
 
     def __init__(self, suite, library, types=()):
-        only = [word for name in ["", *types] if types for word in ("--only", f"{name}:*")]
+        only = [word for name in types for word in ("--only", f"{name}:*")]
         command = [suite, library, "--json", "-", "--jobs", "1", "--time-limit", "10", "--level", "5", *only]
         done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
@@ -134,8 +134,9 @@ def check_types(suite, library, faults, printer):
     order = sorted(groups, key=lambda group: ("timeout" not in group, group))  # those wait longest
     names_of = {group: {f"faulty/{kind}": fault for fault in groups[group] for kind in fault.types} for group in order}
     components = sum(map(len, names_of.values()))
+    run_of = lambda group: Run(suite, library, [*names_of[group], *([""] if group == "good" else [])])
     with ThreadPoolExecutor(2) as pool:
-        for group, run in zip(order, pool.map(lambda group: Run(suite, library, names_of[group]), order)):
+        for group, run in zip(order, pool.map(run_of, order)):
             for fault in groups[group]:
                 judged = [judge(fault, [check for check in run.checks if check["component"] == f"faulty/{kind}"]) for kind in fault.types]
                 printer.print(fault.name, judged[0][0], [text for _, wrong in judged for text in wrong])
