@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 using namespace binnacle::simulation;
 using Drive = Simulation<VehicleSimulator>;
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 inline Trajectory trajectory_of(const Json& config) {
   const ParameterValue value = checked<VehicleSimulator>(config);
   const Parameters p(value);
