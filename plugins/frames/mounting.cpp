@@ -7,8 +7,9 @@
 #include <string>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 
+#include "algebra/decompositions.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::frames {
@@ -69,8 +70,8 @@ Eigen::Matrix3d read_matrix(const Eigen::Matrix3d& M) {
                              ": a reflection. Is the sign of an axis wrong, or are two axes exchanged?",
                          "/matrix");
   if (excess.isZero(0)) return M;  // axes exchanged: exact
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
+  const algebra::SingularValues svd = algebra::singular_values(M);
+  return svd.U * svd.V.transpose();
 }
 
 Eigen::Matrix3d read_quaternion(const Parameters& given) {

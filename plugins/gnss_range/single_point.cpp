@@ -2,12 +2,13 @@
 // Single-point solutions: position, velocity and clock of each epoch by itself, by iterated least squares.
 #include "single_point.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "algebra/decompositions.hpp"
 #include "binnacle/view.hpp"
 #include "strapdown/earth.hpp"
 
@@ -98,22 +99,16 @@ struct NormalEquations {
 };
 
 /// For the first unknowns; the others, which the epoch does not have, stay. False: not determined.
-template <int Size>
-bool solve_first(const NormalEquations& e, Unknowns& dx, SinglePointFix& fix) {
-  using Square = Eigen::Matrix<double, Size, Size>;
-  using Column = Eigen::Matrix<double, Size, 1>;
-  const Square N = e.N.topLeftCorner<Size, Size>(), plain = e.plain.topLeftCorner<Size, Size>();
-  const Column b = e.b.head<Size>();
-  const Eigen::LDLT<Square> solver(N), unweighted(plain);
-  const Column D = unweighted.vectorD();
-  if (solver.info() != Eigen::Success || !(D.minCoeff() > 1e-9)) return false;
-  const Column solution = solver.solve(b);
+bool solve_first(int size, const NormalEquations& e, Unknowns& dx, SinglePointFix& fix) {
+  const algebra::PivotedCholesky solver(e.N.topLeftCorner(size, size)), unweighted(e.plain.topLeftCorner(size, size));
+  if (!solver.is_factored() || !(unweighted.D().minCoeff() > 1e-9)) return false;
+  const Eigen::VectorXd solution = solver.solve_vector(e.b.head(size));
   if (!solution.allFinite()) return false;
-  dx.head<Size>() = solution;
-  const Square cofactors = solver.solve(Square::Identity()), dop = unweighted.solve(Square::Identity());
+  dx.head(size) = solution;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(size, size);
   fix.cofactors.setZero();
-  fix.cofactors.topLeftCorner<Size, Size>() = cofactors;
-  fix.gdop = std::sqrt(dop.diagonal().template head<4>().sum());
+  fix.cofactors.topLeftCorner(size, size) = solver.solve(identity);
+  fix.gdop = std::sqrt(unweighted.solve(identity).diagonal().head<4>().sum());
   return true;
 }
 
@@ -297,7 +292,7 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
   for (int i = 0; i < offsets; ++i)
     if (!systems.has_offset(i)) e.N(4 + i, 4 + i) = e.plain(4 + i, 4 + i) = 1;
   Unknowns dx = Unknowns::Zero();
-  if (!(systems.has_offset(offsets - 1) ? solve_first<unknowns>(e, dx, fix) : solve_first<unknowns - 1>(e, dx, fix)))
+  if (!(solve_first(systems.has_offset(offsets - 1) ? unknowns : unknowns - 1, e, dx, fix)))
     return false;
   fix.place.ecef += dx.head<3>();
   fix.clock += dx[3];
@@ -352,9 +347,9 @@ void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePo
     b += weight * (s.range_rate - at_rest.rate - s.rate_delay) * a;
     ++rates;
   }
-  const Eigen::LDLT<Eigen::Matrix4d> solver(N);
-  const bool is_solved = rates >= 4 && solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 0;
-  const Eigen::Vector4d solution = is_solved ? Eigen::Vector4d(solver.solve(b)) : Eigen::Vector4d::Zero();
+  const algebra::PivotedCholesky solver(N);
+  const bool is_solved = rates >= 4 && solver.is_factored() && solver.D().minCoeff() > 0;
+  const Eigen::Vector4d solution = is_solved ? Eigen::Vector4d(solver.solve_vector(b)) : Eigen::Vector4d::Zero();
   Eigen::Matrix4d cofactors = Eigen::Matrix4d::Zero();
   if (is_solved && solution.allFinite()) {
     fix.velocity = solution.head<3>();

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
+#include "algebra/decompositions.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::in_motion_alignment {
@@ -122,9 +121,7 @@ Matrix3d Window::rotation() const {
     sum_force += chain.force();
   });
   B -= sum_felt * sum_force.transpose() / static_cast<double>(count_);
-  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return algebra::singular_values(B).nearest_rotation();
 }
 
 // With C_true = (I + [φ]×) C, f_true = f − b_a, ω_true = ω − b_g, T = ∫ C_b0b dt and G = ∫ [C_b0b f]× T dt,
@@ -237,9 +234,9 @@ Fit Window::fit_from(Matrix3d C, const Priors& priors, const Course& course) con
     found << Vector3d::Zero(), biases.accelerometer, biases.gyro;
     equations.add_prior(weights_of(priors), found);
     if (has_course) add_course(course, at(count_ - 1), C, chain, equations);
-    const Eigen::LLT<Normal> factor(equations.normal);
-    if (factor.info() != Eigen::Success) return fit;
-    const Unknowns step = factor.solve(equations.right);
+    const algebra::Cholesky factor(equations.normal);
+    if (!factor.is_positive()) return fit;
+    const Unknowns step = factor.solve_vector(equations.right);
     const Normal P = factor.solve(Normal::Identity());
     C = sd::dcm_from_quaternion(sd::quaternion_exp(step.head<3>())) * C;
     biases.accelerometer += step.segment<3>(3);

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "allan/allan.hpp"
 
 namespace binnacle::allan {
@@ -100,15 +101,15 @@ class Fitter {
 
   Selection solve(std::vector<int> terms) const {
     Selection selection;
-    const Eigen::LLT<MatrixXd> C(covariance_);
+    const algebra::Cholesky C(covariance_);
     MatrixXd A(measured_.size(), static_cast<Eigen::Index>(terms.size()));
     for (std::size_t k = 0; k < terms.size(); ++k) A.col(static_cast<Eigen::Index>(k)) = shapes_.col(terms[k]);
-    const MatrixXd WA = C.matrixL().solve(A);
-    const VectorXd Wy = C.matrixL().solve(measured_);
+    const MatrixXd WA = C.solve_L(A);
+    const VectorXd Wy = C.solve_L_vector(measured_);
     // Columns of equal length: τ² and 1/τ² are far apart.
     const VectorXd scale = WA.colwise().norm().cwiseInverse();
     const MatrixXd B = WA * scale.asDiagonal();
-    selection.covariance = (B.transpose() * B).ldlt().solve(MatrixXd::Identity(B.cols(), B.cols()));
+    selection.covariance = algebra::PivotedCholesky(B.transpose() * B).solve(MatrixXd::Identity(B.cols(), B.cols()));
     selection.squares = scale.asDiagonal() * (selection.covariance * (B.transpose() * Wy));
     selection.covariance = (scale.asDiagonal() * selection.covariance * scale.asDiagonal()).eval();
     selection.chi_square = (Wy - WA * selection.squares).squaredNorm();
@@ -127,8 +128,7 @@ class Fitter {
   }
 
   double minus_two_log_likelihood(const Selection& selection) const {
-    const MatrixXd L = Eigen::LLT<MatrixXd>(covariance_).matrixL();
-    return selection.chi_square + 2 * L.diagonal().array().log().sum();
+    return selection.chi_square + algebra::Cholesky(covariance_).log_determinant();
   }
 
   /// Of σ̂² at τ_a and τ_b, where the terms hold: (1/T) ∫ S² A_a A_b df, with T the time that both averaged over.

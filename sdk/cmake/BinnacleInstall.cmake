@@ -130,7 +130,7 @@ install(TARGETS binnacle_document EXPORT BinnacleDocumentTargets
   ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
   INCLUDES DESTINATION include)
 binnacle_left_out(dev binnacle_document "for programs that describe components" "$<TARGET_FILE:binnacle_document>")
-install(TARGETS binnacle_kernel binnacle_score binnacle_smooth EXPORT BinnacleKernelTargets
+install(TARGETS binnacle_kernel binnacle_algebra binnacle_score binnacle_smooth EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
 # A program in C needs nothing else of Binnacle, so its library is an export set of its own too.

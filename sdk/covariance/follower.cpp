@@ -5,9 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-
+#include "algebra/decompositions.hpp"
 #include "wording/block_call.hpp"
 
 namespace binnacle::covariance {
@@ -26,23 +24,6 @@ const BlockInfo* block_named(const FilterInfo& info, const std::string& name) {
 
 MatrixXd columns_of(const MatrixXd& H, const BlockInfo* block) {
   return H.middleCols(block->first_row, static_cast<Index>(block->active.size()));
-}
-
-/// B with B H_b = I of the rows that see the block, zero for the others; empty where they do not determine it.
-MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
-  std::vector<Index> seeing;
-  for (Index i = 0; i < H_b.rows(); ++i)
-    if (!H_b.row(i).isZero(0)) seeing.push_back(i);
-  if (static_cast<Index>(seeing.size()) < H_b.cols()) return {};
-  const MatrixXd H = H_b(seeing, Eigen::all);
-  // Of more rows than the block has components, the weighted mean.
-  const MatrixXd W =
-      H.rows() == H.cols() ? MatrixXd(H.inverse()) : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
-  const Eigen::FullPivLU<MatrixXd> lu(W * H);
-  if (!W.allFinite() || !lu.isInvertible()) return {};
-  MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
-  B(Eigen::all, seeing) = lu.solve(W);
-  return B;
 }
 
 /// A row over the block's error components as one over all rows of P.
@@ -68,7 +49,7 @@ MatrixXd tied(const MatrixXd& P, const std::vector<InitialTie>& ties, const Filt
 
 /// The filter's: what is considered has none.
 MatrixXd gain(const Event& update, const MatrixXd& P, const FilterInfo& info) {
-  MatrixXd K = update.S.llt().solve(update.H * P).transpose();
+  MatrixXd K = algebra::Cholesky(update.S).solve(update.H * P).transpose();
   for (const auto& block : info.blocks)
     for (std::size_t a = 0; a < block.active.size(); ++a)
       if (block.use[static_cast<std::size_t>(block.active[a])] == "considered")
@@ -272,7 +253,7 @@ void Follower::note_blocks() {
 void Follower::note_implied_states(const Event& event, const Event& truth) {
   for (auto& subject : subjects_) {
     if (subject.measurement != event.measurement) continue;
-    const MatrixXd B = inverse_of(columns_of(event.H, subject.block), event.R);
+    const MatrixXd B = algebra::left_inverse(columns_of(event.H, subject.block), event.R);
     if (B.size() == 0)
       throw Broken("measurement '" + event.measurement + "' does not determine block '" + subject.block->name + "'");
     const auto& active = subject.block->active;

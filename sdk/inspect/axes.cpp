@@ -7,7 +7,8 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "questions.hpp"
 #include "statistics.hpp"

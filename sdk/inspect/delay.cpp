@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "questions.hpp"
 #include "statistics.hpp"
 #include "windows.hpp"
@@ -87,7 +88,7 @@ double share_explained(const Integral& rates, const std::vector<CourseStep>& ste
   if (n < 40 || 3 * n < steps.size()) return 0;
   const double about_mean = square - sum * sum / weights;
   normal.diagonal() *= 1 + 1e-9;
-  const double left = square - right.dot(normal.ldlt().solve(right));
+  const double left = square - right.dot(algebra::PivotedCholesky(normal).solve_vector(right));
   return about_mean > 0 ? 1 - left / about_mean : 0;
 }
 

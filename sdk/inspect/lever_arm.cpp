@@ -6,8 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "inspect/inspect.hpp"
 #include "questions.hpp"
 #include "statistics.hpp"
@@ -119,13 +120,13 @@ ArmFit fit_of(const std::vector<Rows>& windows, const Unknowns& before) {
       total.A += each.back().A;
       total.b += each.back().b;
     }
-    fit.x = total.A.ldlt().solve(total.b);
+    fit.x = algebra::PivotedCholesky(total.A).solve_vector(total.b);
   }
   // The jackknife: errors that last, of receiver and attitude alike, are in it, as long as they end with a window.
-  const Normal inverse = total.A.ldlt().solve(Normal::Identity());
+  const Normal inverse = algebra::PivotedCholesky(total.A).solve(Normal::Identity());
   const auto n = static_cast<double>(windows.size());
   for (const Sums& sums : each) {
-    const Unknowns moved = (total.A - sums.A).ldlt().solve(total.b - sums.b) - fit.x;
+    const Unknowns moved = algebra::PivotedCholesky(total.A - sums.A).solve_vector(total.b - sums.b) - fit.x;
     fit.covariance += (n - 1) / n * moved * moved.transpose();
   }
   // Where few windows turn, it may be small by chance: not below white errors of each fix. A window's own unknowns leave residuals smaller.

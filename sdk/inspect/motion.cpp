@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 
+#include "algebra/decompositions.hpp"
 #include "lever_arm.hpp"
 #include "questions.hpp"
 #include "statistics.hpp"
@@ -14,12 +16,6 @@
 namespace binnacle::inspect {
 
 namespace {
-
-Matrix3d nearest_rotation(const Matrix3d& sum) {
-  const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-}
 
 double angle_between(const Matrix3d& a, const Matrix3d& b) {
   return std::acos(std::clamp(((a.transpose() * b).trace() - 1) / 2, -1.0, 1.0));
@@ -49,7 +45,7 @@ Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_spee
       sum += along(step.v).transpose() * step.C_nb;
       ++count;
     }
-    if (count >= 6) each.push_back(nearest_rotation(sum));
+    if (count >= 6) each.push_back(algebra::singular_values(sum).nearest_rotation());
   }
   Mean mean;
   mean.windows = each.size();
@@ -71,7 +67,7 @@ Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_spee
     Matrix3d sum = Matrix3d::Zero();
     for (std::size_t i = 0; i < each.size(); ++i)
       if (away[i] < 3 * scale) sum += each[i];
-    mean.C = nearest_rotation(sum);
+    mean.C = algebra::singular_values(sum).nearest_rotation();
     mean.scatter = scale;
   }
   return mean;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::inspect {
 
@@ -87,7 +89,7 @@ LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
   Eigen::MatrixXd normal;
   for (int pass = 0; pass < 8; ++pass) {
     normal = X.transpose() * weight.asDiagonal() * X;
-    fit.beta = normal.ldlt().solve(X.transpose() * weight.asDiagonal() * y);
+    fit.beta = algebra::PivotedCholesky(normal).solve_vector(X.transpose() * weight.asDiagonal() * y);
     residual = y - X * fit.beta;
     std::vector<double> size(static_cast<std::size_t>(n));
     for (Eigen::Index i = 0; i < n; ++i) size[static_cast<std::size_t>(i)] = std::abs(residual[i]);
@@ -100,7 +102,7 @@ LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
   const double left = weight.dot(residual.cwiseAbs2());
   fit.explained = about_mean > 0 ? 1 - left / about_mean : 0;
   fit.standard_error =
-      (normal.ldlt().solve(Eigen::MatrixXd::Identity(p, p)).diagonal() * (left / total)).cwiseMax(0).cwiseSqrt();
+      (algebra::PivotedCholesky(normal).solve(Eigen::MatrixXd::Identity(p, p)).diagonal() * (left / total)).cwiseMax(0).cwiseSqrt();
   fit.used = static_cast<std::size_t>(n);
   return fit;
 }

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "binnacle/geodesy.hpp"
 
 namespace binnacle::inspect {
@@ -126,9 +127,9 @@ Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3
     B += intervals_[i].u * s.transpose();
     squares += intervals_[i].u.squaredNorm() + s.squaredNorm();
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double handed = svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1;
-  const Vector3d sigma = svd.singularValues();
+  const algebra::SingularValues singular = algebra::singular_values(B);
+  const double handed = singular.handedness();
+  const Vector3d sigma = singular.s;
   const double n = static_cast<double>(w.end - w.first);
   const auto likelihood = [&](double sign) {
     const double left = squares - 2 * (sigma[0] + sigma[1] + sign * handed * sigma[2]);
@@ -170,9 +171,7 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
     sums.push_back(s);
     steps.push_back(step);
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
-  const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const Matrix3d R = algebra::singular_values(B).nearest_rotation();
   for (std::size_t i = 0; i < steps.size(); ++i) {
     steps[i].push = R * sums[i];
     steps[i].left = intervals_[w.first + i].u - steps[i].push;

@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::observe {
 
@@ -91,22 +93,22 @@ VectorXd variances_left(const MatrixXd& W, const MatrixXd& D) {
 }
 
 std::vector<double> singular_values(const MatrixXd& D) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(D, Eigen::EigenvaluesOnly);
+  const VectorXd shares = algebra::eigenvalues(D);
   const double least = static_cast<double>(D.rows()) * std::numeric_limits<double>::epsilon();
   std::vector<double> values;
   for (Index i = D.rows() - 1; i >= 0; --i) {
-    const double share = std::clamp(solver.eigenvalues()[i], 0.0, 1 - least);
+    const double share = std::clamp(shares[i], 0.0, 1 - least);
     values.push_back(std::sqrt(share / (1 - share)));
   }
   return values;
 }
 
 std::vector<Direction> weak_directions(const MatrixXd& W, const MatrixXd& D) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(D);
-  const Index weak = (solver.eigenvalues().array() < known_share).count();
+  const algebra::Spectrum spectrum = algebra::spectrum(D);
+  const Index weak = (spectrum.values.array() < known_share).count();
   if (weak == 0) return {};
-  const VectorXd left = (1 - solver.eigenvalues().head(weak).array()).sqrt();
-  const MatrixXd scaled = solver.eigenvectors().leftCols(weak) * left.asDiagonal();
+  const VectorXd left = (1 - spectrum.values.head(weak).array()).sqrt();
+  const MatrixXd scaled = spectrum.vectors.leftCols(weak) * left.asDiagonal();
   const VectorXd variances = variances_left(W, D);
   const MatrixXd T = varimax(loadings(W * scaled, variances));
   std::vector<Direction> directions;
@@ -120,17 +122,17 @@ std::vector<Direction> weak_directions(const MatrixXd& W, const MatrixXd& D) {
 
 std::vector<SpuriousDirection> spurious_directions(const MatrixXd& W, const MatrixXd& claimed,
                                                    const MatrixXd& on_path) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(on_path);
-  const Index weak = (solver.eigenvalues().array() < known_share).count();
+  const algebra::Spectrum spectrum = algebra::spectrum(on_path);
+  const Index weak = (spectrum.values.array() < known_share).count();
   if (weak == 0) return {};
-  const MatrixXd U = solver.eigenvectors().leftCols(weak);
+  const MatrixXd U = spectrum.vectors.leftCols(weak);
   const MatrixXd I = MatrixXd::Identity(claimed.rows(), claimed.cols());
   const MatrixXd left = U.transpose() * (I - on_path) * U;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ratio(U.transpose() * (I - claimed) * U, left);
+  const algebra::Spectrum ratio = algebra::generalized_spectrum(U.transpose() * (I - claimed) * U, left);
   const VectorXd variances = variances_left(W, on_path);
   std::vector<SpuriousDirection> found;
-  for (Index k = 0; k < weak && ratio.eigenvalues()[k] < known_share; ++k) {
-    const VectorXd u = (U * ratio.eigenvectors().col(k)).normalized();
+  for (Index k = 0; k < weak && ratio.values[k] < known_share; ++k) {
+    const VectorXd u = (U * ratio.vectors.col(k)).normalized();
     SpuriousDirection direction;
     direction.along = u;
     direction.claimed = u.dot(claimed * u);

@@ -3,8 +3,9 @@
 
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::observe {
 
@@ -28,12 +29,12 @@ MatrixXd square_root(const MatrixXd& P) {
   for (Index j = 0; j < n; ++j)
     for (Index i = 0; i < n; ++i)
       if (sigma[i] > 0 && sigma[j] > 0) C(i, j) = P(i, j) / (sigma[i] * sigma[j]);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(C);
+  const algebra::Spectrum spectrum = algebra::spectrum(C);
   const double least =
-      static_cast<double>(n) * std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff();
-  const Index dropped = (solver.eigenvalues().array() <= least).count();
-  return sigma.asDiagonal() * solver.eigenvectors().rightCols(n - dropped) *
-         solver.eigenvalues().tail(n - dropped).cwiseSqrt().asDiagonal();
+      static_cast<double>(n) * std::numeric_limits<double>::epsilon() * spectrum.values.maxCoeff();
+  const Index dropped = (spectrum.values.array() <= least).count();
+  return sigma.asDiagonal() * spectrum.vectors.rightCols(n - dropped) *
+         spectrum.values.tail(n - dropped).cwiseSqrt().asDiagonal();
 }
 
 Information::Information(const smooth::TransitionPattern& pattern, const MatrixXd& P, int measurements,
@@ -68,11 +69,11 @@ bool Information::update(int measurement, ConstMatrixView H, ConstMatrixView R) 
   V_.noalias() = H.as() * P_;
   factor_.noalias() = V_ * H.as().transpose();
   factor_ += R.as();
-  const Eigen::LLT<MatrixXd> S(factor_);
-  if (S.info() != Eigen::Success) return false;
+  const algebra::Cholesky S(factor_);
+  if (!S.is_positive()) return false;
   Z_.noalias() = H.as() * Mt_.transpose();
-  S.matrixL().solveInPlace(V_);
-  S.matrixL().solveInPlace(Z_);
+  V_ = S.solve_L(V_);
+  Z_ = S.solve_L(Z_);
   gain_.noalias() = Z_.transpose() * Z_;
   D_ += gain_;
   by_[static_cast<std::size_t>(measurement)] += gain_;

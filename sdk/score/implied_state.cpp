@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
-
+#include "algebra/decompositions.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
@@ -16,23 +15,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// B of the class, zero in the columns of rows that see nothing of the block; empty where the others do not determine it.
-MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
-  std::vector<Eigen::Index> seeing;
-  for (Eigen::Index i = 0; i < H_b.rows(); ++i)
-    if (!H_b.row(i).isZero(0)) seeing.push_back(i);
-  if (static_cast<Eigen::Index>(seeing.size()) < H_b.cols()) return {};
-  const MatrixXd H = H_b(seeing, Eigen::all);
-  // Of more rows than the block has components, the weighted mean.
-  const MatrixXd W =
-      H.rows() == H.cols() ? MatrixXd(H.inverse()) : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
-  const Eigen::FullPivLU<MatrixXd> lu(W * H);
-  if (!W.allFinite() || !lu.isInvertible()) return {};
-  MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
-  B(Eigen::all, seeing) = lu.solve(W);
-  return B;
-}
 
 }  // namespace
 
@@ -48,7 +30,7 @@ bool ImpliedState::take(const UpdateRecord& record, ConstMatrixView P) {
   if (record.measurement != plan_.measurement || !record.H) return false;
   if (record.outcome != Outcome::accepted && record.outcome != Outcome::withheld) return false;
   const MatrixXd H = record.H.as();
-  const MatrixXd B = inverse_of(H.middleCols(block_.first_row, rows_), record.R.as());
+  const MatrixXd B = algebra::left_inverse(H.middleCols(block_.first_row, rows_), record.R.as());
   if (B.size() == 0) return false;
   const VectorXd d = B * vector_at(record.update_residual, record.rows);
   std::fill(delta_.begin(), delta_.end(), 0.0);

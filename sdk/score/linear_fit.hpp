@@ -2,11 +2,12 @@
 // Least squares of one figure over several, from sums alone.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <limits>
+
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::score {
 
@@ -30,10 +31,10 @@ LinearFit<N> fit(const Eigen::Matrix<double, N, N>& XtX, const Eigen::Matrix<dou
   LinearFit<N> fit;
   const Eigen::Matrix<double, N, 1> scale = XtX.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::Matrix<double, N, N> scaled = scale.asDiagonal() * XtX * scale.asDiagonal();
-  const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(scaled);
-  if (count <= N || !(yy > 0) || llt.info() != Eigen::Success || llt.rcond() < 1e-9) return fit;
-  const Eigen::Matrix<double, N, N> inverse =
-      scale.asDiagonal() * llt.solve(Eigen::Matrix<double, N, N>::Identity()) * scale.asDiagonal();
+  const algebra::Cholesky factor(scaled);
+  if (count <= N || !(yy > 0) || !factor.is_positive() || factor.rcond() < 1e-9) return fit;
+  const Eigen::Matrix<double, N, N> unscaled = factor.solve(Eigen::MatrixXd::Identity(N, N));
+  const Eigen::Matrix<double, N, N> inverse = scale.asDiagonal() * unscaled * scale.asDiagonal();
   fit.coefficients = inverse * Xty;
   fit.squares = std::max(yy - fit.coefficients.dot(Xty), 1e-12 * yy);
   fit.covariance = inverse * (fit.squares / (count - N));

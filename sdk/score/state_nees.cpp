@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -50,12 +51,12 @@ RankedNees ranked_nees(const double* P, const double* delta, int n) {
   const Vector sigma =
       covariance.diagonal().unaryExpr([](double variance) { return variance > 0 ? std::sqrt(variance) : 1.0; });
   const Vector scale = sigma.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * covariance * scale.asDiagonal());
-  const Vector error = solver.eigenvectors().transpose() * scale.cwiseProduct(Eigen::Map<const Vector>(delta, n));
-  const double bound = rounding(n) * std::max(1.0, solver.eigenvalues()[n - 1]);
+  const algebra::Spectrum spectrum = algebra::spectrum(scale.asDiagonal() * covariance * scale.asDiagonal());
+  const Vector error = spectrum.vectors.transpose() * scale.cwiseProduct(Eigen::Map<const Vector>(delta, n));
+  const double bound = rounding(n) * std::max(1.0, spectrum.values[n - 1]);
   RankedNees ranked;
   for (int i = 0; i < n; ++i) {
-    const double variance = solver.eigenvalues()[i];
+    const double variance = spectrum.values[i];
     ranked.rank += variance > bound;
     ranked.nees += error[i] * error[i] / std::max(variance, bound);
   }

@@ -8,8 +8,9 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "binnacle/state_block.hpp"
 #include "smooth/stretch.hpp"
 #include "wording/block_call.hpp"
@@ -192,8 +193,8 @@ void PathFilter::update(const UpdateRecord& record) {
   const auto m = static_cast<int>(H_.rows()), n = filter_.dof;
   const Eigen::MatrixXd HP = H_ * P_;
   S_ = HP * H_.transpose() + R_;
-  const Eigen::LLT<Eigen::MatrixXd> factor(S_);
-  if (factor.info() != Eigen::Success) {
+  const algebra::Cholesky factor(S_);
+  if (!factor.is_positive()) {
     trouble_ = "H P H' + R is not positive definite along the path";
     return;
   }

@@ -6,8 +6,9 @@
 #include <map>
 #include <numbers>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"
 
@@ -26,8 +27,7 @@ class Watch final : public StepObserver {
     const bool is_withheld = record.outcome == Outcome::withheld;
     if (until_.is_over(record.t) != is_after_ || (!is_withheld && record.outcome != Outcome::accepted)) return;
     const auto m = as_size(record.rows);
-    const Eigen::LLT<Eigen::MatrixXd> S(record.S.as());
-    const double log_det = 2 * Eigen::MatrixXd(S.matrixL()).diagonal().array().log().sum();
+    const double log_det = algebra::Cholesky(record.S.as()).log_determinant();
     const double size = static_cast<double>(m) * std::log(2 * std::numbers::pi);
     samples_.push_back({record.measurement,
                         record.t,

@@ -7,8 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "smooth/co_states.hpp"
 #include "wording/wording.hpp"
 
@@ -101,11 +102,11 @@ bool LinearLog::update(std::size_t index, std::span<const double> c, Forward& st
   const MatrixXd PHt = state.P * H.transpose();
   it.S = H * PHt + it.R;
   it.S = 0.5 * (it.S + it.S.transpose()).eval();
-  const Eigen::LLT<MatrixXd> factor(it.S);
-  if (factor.info() != Eigen::Success) return false;
+  const algebra::Cholesky factor(it.S);
+  if (!factor.is_positive()) return false;
   it.r = residual - H * state.d;
-  const double nis = factor.matrixL().solve(it.r).squaredNorm();
-  const double log_det = 2 * MatrixXd(factor.matrixL()).diagonal().array().log().sum();
+  const double nis = factor.solve_L_vector(it.r).squaredNorm();
+  const double log_det = factor.log_determinant();
   state.likelihood -= 0.5 * (nis + log_det + m * std::log(2 * std::numbers::pi));
   it.K = factor.solve(PHt.transpose()).transpose();
   for (std::size_t i = 0; i < considered_.size(); ++i)
@@ -255,8 +256,8 @@ void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all
   const int m = events_[event].rows, count = all.count;
   const double* from = numbers_.data() + events_[event].at + m * m;
   const auto H = Eigen::Map<const MatrixXd>(from, m, n_);
-  const Eigen::LLT<MatrixXd> S(it.S);
-  const VectorXd y = S.solve(it.r);
+  const algebra::Cholesky S(it.S);
+  const VectorXd y = S.solve_vector(it.r);
   const MatrixXd HP = H * all.P, Hd = H * all.d, H_drawn = H * all.drawn;
   const auto draws = all.drawn.cols() / std::max(1, count);
   std::vector<MatrixXd> dR, SdS, dK, seen;  // seen: S^-½ H ∂d_i of drawn innovations
@@ -266,7 +267,7 @@ void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all
     const MatrixXd dS = of_i * H.transpose() + dR.back();
     SdS.push_back(S.solve(dS));
     dK.push_back(S.solve(of_i - dS * it.K.transpose()).transpose());
-    seen.push_back(S.matrixL().solve(H_drawn.middleCols(i * draws, draws)));
+    seen.push_back(S.solve_L(H_drawn.middleCols(i * draws, draws)));
     all.gradient[i] += 0.5 * (y.dot(dS * y) - SdS.back().trace()) + Hd.col(i).dot(y);
     for (int j = 0; j <= i; ++j)
       all.information(i, j) += 0.5 * SdS[as_size(i)].cwiseProduct(SdS[as_size(j)].transpose()).sum() +
@@ -274,7 +275,7 @@ void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all
   }
   MatrixXd innovations(m, draws);
   for (double& value : innovations.reshaped()) value = all.normal(all.random);
-  innovations = S.matrixL() * innovations;
+  innovations = S.times_L(innovations);
   all.P.noalias() -= it.K * HP;
   all.d.noalias() -= it.K * Hd;
   all.drawn.noalias() -= it.K * H_drawn;

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <nlopt.hpp>
+
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::tune {
 
@@ -102,12 +104,12 @@ Eigen::MatrixXd curvature(const Function& function, const std::vector<double>& u
 
 std::vector<OpenDirection> open_directions(const Eigen::MatrixXd& curvature, double limit) {
   std::vector<OpenDirection> open;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(curvature);
+  const algebra::Spectrum spectrum = algebra::spectrum(curvature);
   for (Eigen::Index k = 0; k < curvature.rows(); ++k) {
-    const double value = solver.eigenvalues()[k];
+    const double value = spectrum.values[k];
     if (value * limit * limit >= 1) continue;
     OpenDirection direction;
-    direction.direction = solver.eigenvectors().col(k);
+    direction.direction = spectrum.vectors.col(k);
     direction.sigma = value > 0 ? 1 / std::sqrt(value) : std::numeric_limits<double>::infinity();
     const double largest = direction.direction.cwiseAbs().maxCoeff();
     for (Eigen::Index i = 0; i < curvature.rows(); ++i)

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"
@@ -161,11 +162,11 @@ Eigen::VectorXd scoring_step(const Eigen::VectorXd& gradient, const Eigen::Matri
       left.row(i).setZero();
       left.col(i).setZero();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(left);
-    Eigen::VectorXd along = solver.eigenvectors().transpose() * right;
+    const algebra::Spectrum spectrum = algebra::spectrum(left);
+    Eigen::VectorXd along = spectrum.vectors.transpose() * right;
     for (Eigen::Index i = 0; i < n; ++i)
-      along[i] = solver.eigenvalues()[i] > least_correlation ? along[i] / solver.eigenvalues()[i] : 0;
-    step += (solver.eigenvectors() * along).cwiseQuotient(size);
+      along[i] = spectrum.values[i] > least_correlation ? along[i] / spectrum.values[i] : 0;
+    step += (spectrum.vectors * along).cwiseQuotient(size);
     Eigen::VectorXd cut = Eigen::VectorXd::Zero(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       if (is_cut[static_cast<std::size_t>(i)]) cut[i] = step[i];

@@ -10,8 +10,9 @@
 #include <random>
 #include <utility>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
+#include "algebra/decompositions.hpp"
 #include "judge.hpp"
 #include "runs.hpp"
 #include "search.hpp"
@@ -263,7 +264,7 @@ class Tuner {
     Json list = Json::array();
     Eigen::MatrixXd covariance;
     const bool is_in_nats = plan_.objective == Objective::likelihood || plan_.objective == Objective::withheld_nll;
-    if (!found_.free.empty() && is_in_nats) covariance = curvature_.inverse();
+    if (!found_.free.empty() && is_in_nats) covariance = algebra::inverse(curvature_);
     for (std::size_t p = 0; p < plan_.parameters.size(); ++p) {
       const Parameter& parameter = plan_.parameters[p];
       const Place& place = parameter.place;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "algebra/decompositions.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include <vector>
+
+namespace binnacle::algebra {
+
+struct Cholesky::Factor {
+  Eigen::LLT<MatrixXd> of;
+};
+
+Cholesky::Cholesky(const MatrixXd& A) : factor_(std::make_unique<Factor>(Factor{Eigen::LLT<MatrixXd>(A)})) {}
+Cholesky::Cholesky(Cholesky&&) noexcept = default;
+Cholesky::~Cholesky() = default;
+
+bool Cholesky::is_positive() const { return factor_->of.info() == Eigen::Success; }
+double Cholesky::rcond() const { return factor_->of.rcond(); }
+MatrixXd Cholesky::L() const { return factor_->of.matrixL(); }
+double Cholesky::log_determinant() const { return 2 * L().diagonal().array().log().sum(); }
+MatrixXd Cholesky::solve(const MatrixXd& B) const { return factor_->of.solve(B); }
+VectorXd Cholesky::solve_vector(const VectorXd& b) const { return factor_->of.solve(b); }
+MatrixXd Cholesky::solve_L(const MatrixXd& B) const { return factor_->of.matrixL().solve(B); }
+VectorXd Cholesky::solve_L_vector(const VectorXd& b) const { return factor_->of.matrixL().solve(b); }
+MatrixXd Cholesky::times_L(const MatrixXd& B) const { return factor_->of.matrixL() * B; }
+
+struct PivotedCholesky::Factor {
+  Eigen::LDLT<MatrixXd> of;
+};
+
+PivotedCholesky::PivotedCholesky(const MatrixXd& A)
+    : factor_(std::make_unique<Factor>(Factor{Eigen::LDLT<MatrixXd>(A)})) {}
+PivotedCholesky::PivotedCholesky(PivotedCholesky&&) noexcept = default;
+PivotedCholesky::~PivotedCholesky() = default;
+
+bool PivotedCholesky::is_factored() const { return factor_->of.info() == Eigen::Success; }
+VectorXd PivotedCholesky::D() const { return factor_->of.vectorD(); }
+MatrixXd PivotedCholesky::solve(const MatrixXd& B) const { return factor_->of.solve(B); }
+VectorXd PivotedCholesky::solve_vector(const VectorXd& b) const { return factor_->of.solve(b); }
+
+Spectrum spectrum(const MatrixXd& A) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+VectorXd eigenvalues(const MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Spectrum generalized_spectrum(const MatrixXd& A, const MatrixXd& B) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(A, B);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+MatrixXd inverse(const MatrixXd& A) { return A.inverse(); }
+
+MatrixXd left_inverse(const MatrixXd& H, const MatrixXd& R) {
+  std::vector<Eigen::Index> seeing;
+  for (Eigen::Index i = 0; i < H.rows(); ++i)
+    if (!H.row(i).isZero(0)) seeing.push_back(i);
+  if (static_cast<Eigen::Index>(seeing.size()) < H.cols()) return {};
+  const MatrixXd seen = H(seeing, Eigen::all);
+  const MatrixXd W = seen.rows() == seen.cols() ? MatrixXd(seen.inverse())
+                                                : MatrixXd(seen.transpose() * R(seeing, seeing).inverse());
+  const Eigen::FullPivLU<MatrixXd> lu(W * seen);
+  if (!W.allFinite() || !lu.isInvertible()) return {};
+  MatrixXd B = MatrixXd::Zero(H.cols(), H.rows());
+  B(Eigen::all, seeing) = lu.solve(W);
+  return B;
+}
+
+double SingularValues::handedness() const { return U.determinant() * V.determinant() > 0 ? 1 : -1; }
+
+Matrix3d SingularValues::nearest_rotation() const {
+  return U * Eigen::Vector3d(1, 1, handedness()).asDiagonal() * V.transpose();
+}
+
+SingularValues singular_values(const Matrix3d& A) {
+  const Eigen::JacobiSVD<Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
+}
+
+}  // namespace binnacle::algebra
