@@ -47,12 +47,12 @@ install_deb() { do_in apt-get -q install -y --no-install-recommends "/packed/${f
 install_tarball() {
   do_in tar -C /opt -xzf "/packed/${files[0]##*/}" && do_in mv "/opt/$(basename "${files[0]}" .tar.gz)" /opt/moved
 }
-install_wheel() { do_in sh -c "python3 -m venv --system-site-packages /opt/home/venv && /opt/home/venv/bin/pip install --no-index /packed/${files[0]##*/}"; }
+install_wheel() { do_in venv/bin/pip install --no-index "/packed/${files[0]##*/}"; }
 case $kind in
   deb) prefix=/usr path='' && do_in apt-get -q update ;;
   tarball) prefix=/opt/moved path=$prefix/bin: ;;
-  wheel) prefix='' path=/opt/home/venv/bin: ;;
-esac || fail "apt-get update"
+  wheel) prefix='' path=/opt/home/venv/bin: && do_in python3 -m venv --system-site-packages venv ;;
+esac || fail "nothing can be installed"
 
 size=$(size_kb) begin=$(date +%s.%N)
 "install_$kind" || fail "it does not install"
