@@ -45,7 +45,7 @@ texts() {
   local -a queue=()
   local argument file text
   for argument in "$@"; do
-    if [ -f "$argument" ]; then queue+=("$argument"); else printf '%s\n' "$argument" | tr -c 'A-Za-z0-9_/\n' '\n'; fi
+    if [ -f "$argument" ]; then queue+=("$argument"); elif [[ $argument != *.json || $argument = *=* ]]; then printf '%s\n' "$argument" | tr -c 'A-Za-z0-9_/\n' '\n'; fi
     case $argument in *=*.json) [ ! -f "${argument#*=}" ] || queue+=("${argument#*=}") ;; esac
   done
   while [ ${#queue[@]} -gt 0 ]; do

@@ -149,7 +149,8 @@ Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) co
   const Eigen::Matrix3d C = axes(in.x);
   const Eigen::Vector3d d = C * way.d;
   const double azimuth = in.sample[azimuth_], rho = std::hypot(d[0], d[1]);
-  if (!(rho > nearest_target)) return Result::unsupported("the target is above, below or where the observer is: no azimuth");
+  if (!(rho > nearest_target))
+    return Result::unsupported("the target is above, below or where the observer is: no azimuth");
   const bool has_elevation = elevation_.is_bound();
   if (!std::isfinite(azimuth) || (has_elevation && !std::isfinite(in.sample[elevation_])))
     return Result::invalid("an angle is not finite");

@@ -91,21 +91,4 @@ VectorBlock::VectorBlock(const Binding& binding) {
   }
 }
 
-void VectorBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
-  for (int i = 0; i < declaration_.stored_size; ++i) result[i] = x[i] + delta[i];
-}
-
-void VectorBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
-  for (int i = 0; i < declaration_.stored_size; ++i) delta[i] = y[i] - x[i];
-}
-
-void VectorBlock::read(ConstVectorView x, VectorView outputs) const { outputs.as() = x.as(); }
-
-Result VectorBlock::write(ConstVectorView outputs, VectorView x) const {
-  for (int i = 0; i < declaration_.stored_size; ++i)
-    if (!std::isfinite(outputs[i])) return Result::invalid("a component is not finite");
-  x.as() = outputs.as();
-  return Result::ok();
-}
-
 }  // namespace binnacle::core

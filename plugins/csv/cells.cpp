@@ -125,10 +125,6 @@ constexpr auto powers_of_ten = [] {
   return powers;
 }();
 
-/// Every power of ten up to 10^22 is a double exactly.
-constexpr std::array<double, 20> exact_powers{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
-                                              1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
-
 /// value / 10^power, half away from zero.
 Wide divide_by_ten(Wide value, int power) {
   if (power > 38) return 0;
@@ -203,7 +199,7 @@ bool parse_short_number(std::string_view cell, double& value) {
   }
   if (digits > (std::uint64_t{1} << 53)) return false;
   value = static_cast<double>(digits);
-  if (point) value /= exact_powers[static_cast<std::size_t>(end - point - 1)];
+  if (point) value /= exact_powers_of_ten[static_cast<std::size_t>(end - point - 1)];
   if (is_negative) value = -value;
   return true;
 }

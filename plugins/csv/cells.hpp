@@ -2,6 +2,7 @@
 // From a line to its cells, from a cell to a number or a time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -10,6 +11,11 @@
 #include "binnacle/time.hpp"
 
 namespace binnacle::csv {
+
+/// Every power of ten up to 10^22 is a double exactly.
+inline constexpr std::array<double, 23> exact_powers_of_ten{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                            1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                            1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 /// The cells of a line without surrounding blanks and quotes. A delimiter ' ' stands for any run of blanks.
 void split(std::string_view line, char delimiter, std::vector<std::string_view>& cells);

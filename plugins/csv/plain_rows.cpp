@@ -39,10 +39,6 @@ std::uint64_t number_of(std::uint64_t digits) {
   return ((digits & mask) * hundred + ((digits >> 16) & mask) * one) >> 32;
 }
 
-/// Every power of ten up to 10^22 is a double exactly.
-constexpr std::array<double, 23> powers_to_22{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                              1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-
 /// The exponent behind an 'e'.
 const char* scan_exponent(const char* at, int& exponent) {
   const bool is_negative = *at == '-';
@@ -86,8 +82,8 @@ bool PlainNumber::convert(double& value) const {
   if (digits > (std::uint64_t{1} << 53) || exponent < -22 || exponent > 22) return false;
   const auto whole = static_cast<double>(digits);
   // Both are exact, so that one operation rounds correctly (Clinger, PLDI 1990).
-  value = exponent < 0 ? whole / powers_to_22[static_cast<std::size_t>(-exponent)]
-                       : whole * powers_to_22[static_cast<std::size_t>(exponent)];
+  value = exponent < 0 ? whole / exact_powers_of_ten[static_cast<std::size_t>(-exponent)]
+                       : whole * exact_powers_of_ten[static_cast<std::size_t>(exponent)];
   if (negative) value = -value;
   return true;
 }

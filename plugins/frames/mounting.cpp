@@ -70,8 +70,7 @@ Eigen::Matrix3d read_matrix(const Eigen::Matrix3d& M) {
                              ": a reflection. Is the sign of an axis wrong, or are two axes exchanged?",
                          "/matrix");
   if (excess.isZero(0)) return M;  // axes exchanged: exact
-  const algebra::SingularValues svd = algebra::singular_values(M);
-  return svd.U * svd.V.transpose();
+  return algebra::singular_values(M).nearest_rotation();
 }
 
 Eigen::Matrix3d read_quaternion(const Parameters& given) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr const char* position_sigma_prefix = "position_sd";
 constexpr std::array<const char*, 3> position_sigma_flaws = {"position_sd_n is 0, negative or not finite",
-                                                    "position_sd_e is 0, negative or not finite",
-                                                    "position_sd_d is 0, negative or not finite"};
+                                                             "position_sd_e is 0, negative or not finite",
+                                                             "position_sd_d is 0, negative or not finite"};
 
 }  // namespace
 

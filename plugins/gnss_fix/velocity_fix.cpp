@@ -8,8 +8,8 @@ namespace {
 
 constexpr const char* velocity_sigma_prefix = "velocity_sd";
 constexpr std::array<const char*, 3> velocity_sigma_flaws = {"velocity_sd_n is 0, negative or not finite",
-                                                    "velocity_sd_e is 0, negative or not finite",
-                                                    "velocity_sd_d is 0, negative or not finite"};
+                                                             "velocity_sd_e is 0, negative or not finite",
+                                                             "velocity_sd_d is 0, negative or not finite"};
 
 }  // namespace
 

@@ -2,20 +2,20 @@
 // Position and velocity in earth-centred, earth-fixed axes.
 #pragma once
 
-#include "additive_block.hpp"
 #include "binnacle/spec.hpp"
+#include "blocks/additive_block.hpp"
 
 namespace binnacle::gnss_range {
 
 /// WGS-84 ECEF position [m].
-class EcefPosition final : public AdditiveBlock<3> {
+class EcefPosition final : public blocks::AdditiveBlock {
  public:
   static ComponentSpec spec();
   explicit EcefPosition(const Binding& binding);
 };
 
 /// Velocity relative to the earth, in ECEF axes [m/s].
-class EcefVelocity final : public AdditiveBlock<3> {
+class EcefVelocity final : public blocks::AdditiveBlock {
  public:
   static ComponentSpec spec();
   explicit EcefVelocity(const Binding& binding);

@@ -292,8 +292,7 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
   for (int i = 0; i < offsets; ++i)
     if (!systems.has_offset(i)) e.N(4 + i, 4 + i) = e.plain(4 + i, 4 + i) = 1;
   Unknowns dx = Unknowns::Zero();
-  if (!(solve_first(systems.has_offset(offsets - 1) ? unknowns : unknowns - 1, e, dx, fix)))
-    return false;
+  if (!(solve_first(systems.has_offset(offsets - 1) ? unknowns : unknowns - 1, e, dx, fix))) return false;
   fix.place.ecef += dx.head<3>();
   fix.clock += dx[3];
   for (int i = 0; i < offsets; ++i) fix.offset[static_cast<std::size_t>(i)] += dx[4 + i];

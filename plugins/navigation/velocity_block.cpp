@@ -27,20 +27,4 @@ VelocityBlock::VelocityBlock(const Binding& /*binding*/) {
   declaration_.norms = {{"horizontal", {0, 1}}};
 }
 
-void VelocityBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
-  result.as<3>() = x.as<3>() + delta.as<3>();
-}
-
-void VelocityBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
-  delta.as<3>() = y.as<3>() - x.as<3>();
-}
-
-void VelocityBlock::read(ConstVectorView x, VectorView outputs) const { outputs.as<3>() = x.as<3>(); }
-
-Result VelocityBlock::write(ConstVectorView outputs, VectorView x) const {
-  if (!outputs.as<3>().allFinite()) return Result::invalid("a velocity is not finite");
-  x.as<3>() = outputs.as<3>();
-  return Result::ok();
-}
-
 }  // namespace binnacle::navigation

@@ -14,7 +14,8 @@ constexpr double knot = 1852.0 / 3600.0;  // [m/s]
 constexpr Time half_a_day = 43200 * nanoseconds_per_second;
 
 /// PASHR is proprietary: its talker is "PA".
-constexpr std::array<std::string_view, 9> read_type_names{"GGA", "RMC", "GST", "ZDA", "SHR", "VTG", "HDT", "THS", "GSA"};
+constexpr std::array<std::string_view, 9> read_type_names{"GGA", "RMC", "GST", "ZDA", "SHR",
+                                                          "VTG", "HDT", "THS", "GSA"};
 
 std::size_t as_index(auto type) { return static_cast<std::size_t>(type); }
 

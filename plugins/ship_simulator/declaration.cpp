@@ -76,10 +76,8 @@ std::vector<ParameterSpec> mounting_members() {
       matrix("nominal", "1", 3, 3)
           .defaults("[[0, 0, 1], [0, 1, 0], [-1, 0, 0]]")
           .about("nominal C_S^M: SINS axes to MINS axes; default: upright"),
-      vector("misalignment_sigma", "rad", 3)
-          .at_least(0)
-          .defaults("[\"1 deg\", \"1 deg\", \"1 deg\"]")
-          .about("standard deviation of the misalignment, drawn once per run, about MINS axes"),
+      sigmas("misalignment_sigma", "rad", "[\"1 deg\", \"1 deg\", \"1 deg\"]",
+             "standard deviation of the misalignment, drawn once per run, about MINS axes"),
       vector("misalignment", "rad", 3).about("fixed misalignment, the same in every run; default: drawn"),
       vector("lever_arm", "m", 3)
           .formerly("arm")
@@ -91,19 +89,13 @@ std::vector<ParameterSpec> mounting_members() {
 std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& bias, const std::string& noise) {
   using namespace parameter;
   return {
-      vector("bias", unit, 3).at_least(0).defaults(bias).about("standard deviation of the bias, drawn once per run"),
-      vector("scale", "1", 3)
-          .at_least(0)
-          .defaults("\"200 ppm\"")
-          .about("standard deviation of the scale factor error, drawn once per run"),
+      sigmas("bias", unit, bias, "standard deviation of the bias, drawn once per run"),
+      sigmas("scale", "1", "\"200 ppm\"", "standard deviation of the scale factor error, drawn once per run"),
       number("misalignment", "rad")
           .at_least(0)
           .defaults("\"1 arcmin\"")
           .about("standard deviation of the misalignment of each axis towards each other axis, drawn once per run"),
-      vector("noise", unit, 3)
-          .at_least(0)
-          .defaults(noise)
-          .about("standard deviation of the rate noise over noise_time"),
+      sigmas("noise", unit, noise, "standard deviation of the rate noise over noise_time"),
       number("noise_time", "s")
           .above(0)
           .defaults("0.1")
@@ -119,30 +111,14 @@ std::vector<ParameterSpec> mins_members() {
           .at_most(1000)
           .defaults("5")
           .about("sample rate of the MINS, the first sample after one interval; 0: none"),
-      vector("velocity_noise", "m/s", 3)
-          .at_least(0)
-          .defaults("0.257")
-          .about("standard deviation of the white velocity error: north, east, down"),
-      vector("attitude_noise", "rad", 3)
-          .at_least(0)
-          .defaults("\"0.2 arcmin\"")
-          .about("standard deviation of the white attitude error: roll, pitch, yaw"),
-      vector("position_noise", "m", 3)
-          .at_least(0)
-          .defaults("0")
-          .about("standard deviation of the white position error: north, east, down"),
-      vector("velocity_bias", "m/s", 3)
-          .at_least(0)
-          .defaults("0")
-          .about("standard deviation of a constant velocity error"),
-      vector("attitude_bias", "rad", 3)
-          .at_least(0)
-          .defaults("[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]")
-          .about("standard deviation of the MINS' own alignment error: roll, pitch, yaw"),
-      vector("position_bias", "m", 3)
-          .at_least(0)
-          .defaults("0")
-          .about("standard deviation of a constant position error"),
+      sigmas("velocity_noise", "m/s", "0.257", "standard deviation of the white velocity error: north, east, down"),
+      sigmas("attitude_noise", "rad", "\"0.2 arcmin\"",
+             "standard deviation of the white attitude error: roll, pitch, yaw"),
+      sigmas("position_noise", "m", "0", "standard deviation of the white position error: north, east, down"),
+      sigmas("velocity_bias", "m/s", "0", "standard deviation of a constant velocity error"),
+      sigmas("attitude_bias", "rad", "[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]",
+             "standard deviation of the MINS' own alignment error: roll, pitch, yaw"),
+      sigmas("position_bias", "m", "0", "standard deviation of a constant position error"),
       number("noise_scale", "1")
           .at_least(0)
           .defaults("1")
@@ -153,9 +129,9 @@ std::vector<ParameterSpec> mins_members() {
 std::vector<ParameterSpec> triple_members(const char* position, const char* velocity, const char* attitude) {
   using namespace parameter;
   return {
-      vector("position", "m", 3).at_least(0).defaults(position).about("position: north, east, down"),
-      vector("velocity", "m/s", 3).at_least(0).defaults(velocity).about("velocity: north, east, down"),
-      vector("attitude", "rad", 3).at_least(0).defaults(attitude).about("attitude: about north, east, down"),
+      sigmas("position", "m", position, "position: north, east, down"),
+      sigmas("velocity", "m/s", velocity, "velocity: north, east, down"),
+      sigmas("attitude", "rad", attitude, "attitude: about north, east, down"),
   };
 }
 

@@ -62,8 +62,9 @@ ComponentSpec VelocityMatch::spec() {
       optional_angle("roll", "attitude of the master; required with a lever arm"),
       optional_angle("pitch", "attitude of the master; required with a lever arm"),
       optional_angle("yaw", "attitude of the master; required with a lever arm"),
-      optional_angle("lat",
-            "position of the master; with it the earth rate is subtracted from the slave's rate, for a lever arm")};
+      optional_angle(
+          "lat",
+          "position of the master; with it the earth rate is subtracted from the slave's rate, for a lever arm")};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "mins", "blocks": {"velocity": "velocity"}, "sigma": "0.257 m/s"})json";
   return spec;

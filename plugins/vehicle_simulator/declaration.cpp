@@ -36,14 +36,10 @@ std::vector<ParameterSpec> start_members() {
 std::vector<ParameterSpec> gnss_members() {
   using namespace parameter;
   return {
-      vector("position_sigma", "m", 3)
-          .at_least(0)
-          .defaults("[1.5, 1.5, 3]")
-          .about("standard deviation of the white position error: north, east, down"),
-      vector("velocity_sigma", "m/s", 3)
-          .at_least(0)
-          .defaults("[0.05, 0.05, 0.1]")
-          .about("standard deviation of the white velocity error: north, east, down"),
+      sigmas("position_sigma", "m", "[1.5, 1.5, 3]",
+             "standard deviation of the white position error: north, east, down"),
+      sigmas("velocity_sigma", "m/s", "[0.05, 0.05, 0.1]",
+             "standard deviation of the white velocity error: north, east, down"),
       vector("reported_position_sigma", "m", 3)
           .at_least(0)
           .about("reported standard deviations position_sd_*; default: position_sigma"),
@@ -60,11 +56,8 @@ std::vector<ParameterSpec> gnss_members() {
 std::vector<ParameterSpec> initial_members() {
   using namespace parameter;
   return {
-      vector("position", "m", 3).at_least(0).defaults("[1.5, 1.5, 3]").about("position error: north, east, down"),
-      vector("velocity", "m/s", 3)
-          .at_least(0)
-          .defaults("[0.05, 0.05, 0.05]")
-          .about("velocity error: north, east, down"),
+      sigmas("position", "m", "[1.5, 1.5, 3]", "position error: north, east, down"),
+      sigmas("velocity", "m/s", "[0.05, 0.05, 0.05]", "velocity error: north, east, down"),
       number("tilt", "rad").at_least(0).defaults("\"0.1 deg\"").about("attitude error about north and about east"),
       number("heading", "rad").at_least(0).defaults("\"1 deg\"").about("attitude error about down"),
   };

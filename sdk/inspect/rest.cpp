@@ -137,41 +137,35 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
                            rest.spans.size(), rest.spans.size() == 1 ? "" : "s", figure(rest.spans.front().from),
                            figure(rest.spans.front().to));
   findings.push_back(found);
+  const auto add = [&](const char* kind, const char* field, double value, const char* unit, std::string text,
+                       const char* evidence) {
+    Finding more = found;
+    more.kind = kind;
+    more.field = field;
+    more.value = value;
+    more.unit = unit;
+    more.text = std::move(text);
+    more.evidence = fmt::format(fmt::runtime(evidence), figure(rest.seconds));
+    findings.push_back(std::move(more));
+  };
   const double root = std::sqrt(inertial.step);
-  for (int k = 0; k < 3; ++k) {
-    Finding bias = found;
-    bias.kind = "rate_bias";
-    bias.field = rate_names[k];
-    bias.value = rest.mean_w[k];
-    bias.unit = "rad/s";
-    bias.text =
+  for (int k = 0; k < 3; ++k)
+    add("rate_bias", rate_names[k], rest.mean_w[k], "rad/s",
         fmt::format("{} deg/s {}, noise {} deg/s ({} deg/sqrt(h) if it is white)", figure(rest.mean_w[k] * 57.29578),
-                    when, figure(rest.sigma_w[k] * 57.29578), figure(rest.sigma_w[k] * root * 57.29578 * 60));
-    bias.evidence = fmt::format("mean over {} s of rest; for the noise, use binnacle allan", figure(rest.seconds));
-    findings.push_back(std::move(bias));
-  }
-  for (int k = 0; k < 3; ++k) {
-    Finding noise = found;
-    noise.kind = "force_noise";
-    noise.field = force_names[k];
-    noise.value = rest.sigma_f[k];
-    noise.unit = "m/s^2";
-    noise.text = fmt::format("mean {} m/s^2 {}, noise {} m/s^2", figure(rest.mean_f[k]), when, figure(rest.sigma_f[k]));
-    noise.evidence = fmt::format("{} s of rest", figure(rest.seconds));
-    findings.push_back(std::move(noise));
-  }
-  Finding gravity = found;
-  gravity.kind = "gravity";
-  gravity.field = "fx, fy, fz";
-  gravity.value = rest.mean_f.norm();
-  gravity.unit = "m/s^2";
+                    when, figure(rest.sigma_w[k] * 57.29578), figure(rest.sigma_w[k] * root * 57.29578 * 60)),
+        "mean over {} s of rest; for the noise, use binnacle allan");
+  for (int k = 0; k < 3; ++k)
+    add("force_noise", force_names[k], rest.sigma_f[k], "m/s^2",
+        fmt::format("mean {} m/s^2 {}, noise {} m/s^2", figure(rest.mean_f[k]), when, figure(rest.sigma_f[k])),
+        "{} s of rest");
+  const double gravity = rest.mean_f.norm();
   int up = 0;
   rest.mean_f.cwiseAbs().maxCoeff(&up);
-  gravity.text = fmt::format("|f| is {} m/s^2 {}; up is {}{}, {} deg off that axis", figure(gravity.value), when,
-                             rest.mean_f[up] > 0 ? "+" : "-", "xyz"[up],
-                             figure(57.29578 * std::acos(std::min(1.0, std::abs(rest.mean_f[up]) / gravity.value))));
-  gravity.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
-  findings.push_back(std::move(gravity));
+  add("gravity", "fx, fy, fz", gravity, "m/s^2",
+      fmt::format("|f| is {} m/s^2 {}; up is {}{}, {} deg off that axis", figure(gravity), when,
+                  rest.mean_f[up] > 0 ? "+" : "-", "xyz"[up],
+                  figure(57.29578 * std::acos(std::min(1.0, std::abs(rest.mean_f[up]) / gravity)))),
+      "mean specific force over {} s of rest");
 }
 
 namespace {

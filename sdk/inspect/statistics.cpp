@@ -102,7 +102,9 @@ LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
   const double left = weight.dot(residual.cwiseAbs2());
   fit.explained = about_mean > 0 ? 1 - left / about_mean : 0;
   fit.standard_error =
-      (algebra::PivotedCholesky(normal).solve(Eigen::MatrixXd::Identity(p, p)).diagonal() * (left / total)).cwiseMax(0).cwiseSqrt();
+      (algebra::PivotedCholesky(normal).solve(Eigen::MatrixXd::Identity(p, p)).diagonal() * (left / total))
+          .cwiseMax(0)
+          .cwiseSqrt();
   fit.used = static_cast<std::size_t>(n);
   return fit;
 }

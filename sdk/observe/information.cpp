@@ -30,8 +30,7 @@ MatrixXd square_root(const MatrixXd& P) {
     for (Index i = 0; i < n; ++i)
       if (sigma[i] > 0 && sigma[j] > 0) C(i, j) = P(i, j) / (sigma[i] * sigma[j]);
   const algebra::Spectrum spectrum = algebra::spectrum(C);
-  const double least =
-      static_cast<double>(n) * std::numeric_limits<double>::epsilon() * spectrum.values.maxCoeff();
+  const double least = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * spectrum.values.maxCoeff();
   const Index dropped = (spectrum.values.array() <= least).count();
   return sigma.asDiagonal() * spectrum.vectors.rightCols(n - dropped) *
          spectrum.values.tail(n - dropped).cwiseSqrt().asDiagonal();

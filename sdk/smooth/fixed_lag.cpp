@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "rows.hpp"
+#include "smooth/rows.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::smooth {

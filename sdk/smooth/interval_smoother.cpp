@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "binnacle/run.hpp"
-#include "rows.hpp"
+#include "smooth/rows.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::smooth {

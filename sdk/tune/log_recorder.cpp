@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "smooth/rows.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::tune {
@@ -22,15 +23,6 @@ void times_transposed(const smooth::TransitionPattern& pattern, const double* ph
       out.col(pattern.rows()[as_size(k)]) += phi[k] * A.col(j);
 }
 
-std::vector<unsigned char> considered_rows(const FilterInfo& filter) {
-  std::vector<unsigned char> rows(as_size(filter.dof), 0);
-  for (const BlockInfo& block : filter.blocks)
-    for (std::size_t a = 0; a < block.active.size(); ++a)
-      rows[as_size(block.first_row) + a] = block.use[as_size(block.active[a])] == "considered";
-  if (std::ranges::find(rows, 1) == rows.end()) rows.clear();
-  return rows;
-}
-
 }  // namespace
 
 void carry(const smooth::TransitionPattern& pattern, const double* phi, MatrixXd& A, MatrixXd& scratch) {
@@ -40,7 +32,7 @@ void carry(const smooth::TransitionPattern& pattern, const double* phi, MatrixXd
 }
 
 LogRecorder::LogRecorder(const FilterInfo& filter, RecordedRun& run, const Until& until) : run_(run), until_(until) {
-  run_.log.consider(considered_rows(filter));
+  run_.log.consider(smooth::considered_rows(filter));
   PhiT_.setIdentity(filter.dof, filter.dof);
   Q_.setZero(filter.dof, filter.dof);
 }

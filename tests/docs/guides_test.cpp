@@ -31,7 +31,7 @@ const std::vector<std::string> guides{"sdk/docs/write-a-block.md",
 
 /// What tests/package builds and runs.
 bool is_built(const std::string& file) {
-  for (const char* folder : {"sdk/template/", "sdk/examples/", "tests/package/"})
+  for (const char* folder : {"sdk/template/", "sdk/examples/", "tests/package/", "tests/plugins/"})
     if (file.rfind(folder, 0) == 0) return true;
   return false;
 }

@@ -12,7 +12,6 @@ const std::vector<TypedElsewhere>& typed_elsewhere() {
       {R"(ninja )", "sdk/setup.sh", "ninja -C \"$binnacle_build\""},
       {R"(ctest --test-dir )", "tests/package/consume.sh", "\"$ctest\" --test-dir"},
       {R"(tar -xzf binnacle-)", "tests/package/tarball.sh", "tar -xzf"},
-      {R"(\(cd build/release && cpack -G DEB\))", "tests/package/pack.sh", "-G DEB"},
       {R"(sdk/dist/(build|release)\b)", "tests/package/dist_pack.sh",
        "sdk/dist/pack"},  // build packs in a clean system, as root
       {R"((python3 -m venv |env/bin/))", "tests/package/dist.sh", "pip install --no-index"},

@@ -15,6 +15,7 @@
 #include "catch.hpp"
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace given_test {
 

@@ -12,6 +12,7 @@
 #include "../plugins/model_check.hpp"
 #include "catch.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace local_models_test {
 

@@ -14,6 +14,7 @@
 #include "catch.hpp"
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace models_test {
 

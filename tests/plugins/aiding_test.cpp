@@ -18,6 +18,7 @@
 #include "catch.hpp"
 #include "model_check.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace aiding_test {
 

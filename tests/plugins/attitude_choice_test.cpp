@@ -9,6 +9,7 @@
 
 #include "inertial_bench.hpp"
 #include "simulation/quadrature.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace attitude_choice_test {
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/bind.hpp"
-#include "binnacle/kind_blocks.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace binnacle::test {
 

@@ -108,7 +108,7 @@ TEST_CASE("a type of a plugin's library is bound by its name") {
   REQUIRE_FALSE(diagnostics.has_errors());
   const auto block = bind<StateBlock>(catalog, "vector", {R"({"size": 3, "unit": "deg/h"})"});
   CHECK(block->declaration().dof() == 3);
-  CHECK(block->declaration().kind == "vector:3:rad/s");
+  CHECK(block->declaration().kind == "vector:3:deg/h");
 }
 
 }  // namespace bind_test

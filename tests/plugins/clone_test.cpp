@@ -14,6 +14,7 @@
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace clone_test {
 

@@ -11,6 +11,7 @@
 #include "bind.hpp"
 #include "catch.hpp"
 #include "model_check.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace core_test {
 

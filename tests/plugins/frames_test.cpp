@@ -15,6 +15,7 @@
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace frames_test {
 

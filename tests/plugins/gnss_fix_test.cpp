@@ -8,6 +8,7 @@
 #include "catch.hpp"
 #include "model_check.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace gnss_fix_test {
 

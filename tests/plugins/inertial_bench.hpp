@@ -13,6 +13,7 @@
 #include "catch.hpp"
 #include "model_check.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace binnacle::test {
 

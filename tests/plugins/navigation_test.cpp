@@ -6,6 +6,7 @@
 
 #include "inertial_bench.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace navigation_test {
 

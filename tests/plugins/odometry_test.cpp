@@ -16,6 +16,7 @@
 #include "model_check.hpp"
 #include "random/normal.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace odometry_test {
 

@@ -14,6 +14,7 @@
 #include "model_check.hpp"
 #include "refusal.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace range_difference_test {
 

@@ -13,6 +13,7 @@
 #include "model_check.hpp"
 #include "refusal.hpp"
 #include "strapdown/earth.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace range_test {
 

@@ -19,6 +19,7 @@
 #include "ship_voyage.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
+#include "support/navigation_kinds.hpp"
 
 namespace transfer_match_test {
 

@@ -64,8 +64,9 @@ expect() {
   found=$(bash "$project/sdk/plugins_of.sh" "${@:2}" | tr '\n' ' ')
   [ "$found" = "$1" ] || fail "plugins of ${*:2}: '$found', not '$1'"
 }
-expect "csv robust ublox " "$scratch/config/config.json"
-expect "csv robust rtklib ublox " "$scratch/config/config.json" --set /sources/imu/type=rtklib_pos
+# stream has a type csv too.
+expect "csv robust stream ublox " "$scratch/config/config.json"
+expect "csv robust rtklib stream ublox " "$scratch/config/config.json" --set /sources/imu/type=rtklib_pos
 expect "robust " "$scratch/config/nothing.json" --var model=robust/cauchy
 expect "" "$scratch/config/nothing.json"
 [ "$failed" = 0 ] && echo "$count configs"

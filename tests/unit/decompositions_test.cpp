@@ -45,7 +45,8 @@ TEST_CASE("a Cholesky factor is lower, gives its matrix, and solves") {
   CHECK(factor.rcond() > 0);
 }
 
-TEST_CASE("a matrix that is not positive definite has no Cholesky factor, and one that is nearly singular a small rcond") {
+TEST_CASE(
+    "a matrix that is not positive definite has no Cholesky factor, and one that is nearly singular a small rcond") {
   MatrixXd A = definite();
   A(2, 2) = -1;
   CHECK_FALSE(Cholesky(A).is_positive());
@@ -55,7 +56,7 @@ TEST_CASE("a matrix that is not positive definite has no Cholesky factor, and on
   CHECK(Cholesky(MatrixXd::Identity(2, 2)).rcond() > 0.1);
 }
 
-TEST_CASE("a pivoted factor solves, and its D tells an indefinite matrix") {
+TEST_CASE("a pivoted factor solves, and its D is negative in an indefinite matrix") {
   const MatrixXd A = definite(), B = right_side();
   const PivotedCholesky factor(A);
   REQUIRE(factor.is_factored());
@@ -85,7 +86,9 @@ TEST_CASE("a generalized spectrum solves A v = l B v with vectors of unit length
   CHECK(are_equal(found.vectors.transpose() * B * found.vectors, MatrixXd::Identity(4, 4)));
 }
 
-TEST_CASE("a left inverse is the inverse of what is square, the weighted mean of more rows, and empty if rows do not determine it") {
+TEST_CASE(
+    "a left inverse is the inverse of what is square, the weighted mean of more rows, and empty if rows do not "
+    "determine it") {
   MatrixXd H(3, 2);
   H << 2, 1, 0, 0, -1, 3;
   const MatrixXd R = Eigen::Vector3d(4, 1, 0.25).asDiagonal();

@@ -51,8 +51,7 @@ class Variables {
     fill_in(root, "");
     for (const auto& [name, value] : given_) {
       if (!used_.contains(name)) {
-        diagnostics_.error("B029", var_option, "",
-                           "the config has no variable " + in_quotes(name) + suggestion(name));
+        diagnostics_.error("B029", var_option, "", "the config has no variable " + in_quotes(name) + suggestion(name));
         continue;
       }
       if (!vars) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as text, fast: what std::to_chars gives to so many digits, without its zeros at the end.
+// Numbers as text: what std::to_chars gives to so many digits, without its zeros at the end.
 #pragma once
 
 #include <cstddef>

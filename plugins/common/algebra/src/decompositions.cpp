@@ -10,37 +10,25 @@
 
 namespace binnacle::algebra {
 
-struct Cholesky::Factor {
-  Eigen::LLT<MatrixXd> of;
-};
+Cholesky::Cholesky(const MatrixXd& A) : factor_(A) {}
 
-Cholesky::Cholesky(const MatrixXd& A) : factor_(std::make_unique<Factor>(Factor{Eigen::LLT<MatrixXd>(A)})) {}
-Cholesky::Cholesky(Cholesky&&) noexcept = default;
-Cholesky::~Cholesky() = default;
-
-bool Cholesky::is_positive() const { return factor_->of.info() == Eigen::Success; }
-double Cholesky::rcond() const { return factor_->of.rcond(); }
-MatrixXd Cholesky::L() const { return factor_->of.matrixL(); }
+bool Cholesky::is_positive() const { return factor_.info() == Eigen::Success; }
+double Cholesky::rcond() const { return factor_.rcond(); }
+MatrixXd Cholesky::L() const { return factor_.matrixL(); }
 double Cholesky::log_determinant() const { return 2 * L().diagonal().array().log().sum(); }
-MatrixXd Cholesky::solve(const MatrixXd& B) const { return factor_->of.solve(B); }
-VectorXd Cholesky::solve_vector(const VectorXd& b) const { return factor_->of.solve(b); }
-MatrixXd Cholesky::solve_L(const MatrixXd& B) const { return factor_->of.matrixL().solve(B); }
-VectorXd Cholesky::solve_L_vector(const VectorXd& b) const { return factor_->of.matrixL().solve(b); }
-MatrixXd Cholesky::times_L(const MatrixXd& B) const { return factor_->of.matrixL() * B; }
-
-struct PivotedCholesky::Factor {
-  Eigen::LDLT<MatrixXd> of;
-};
+MatrixXd Cholesky::solve(const MatrixXd& B) const { return factor_.solve(B); }
+VectorXd Cholesky::solve_vector(const VectorXd& b) const { return factor_.solve(b); }
+MatrixXd Cholesky::solve_L(const MatrixXd& B) const { return factor_.matrixL().solve(B); }
+VectorXd Cholesky::solve_L_vector(const VectorXd& b) const { return factor_.matrixL().solve(b); }
+MatrixXd Cholesky::times_L(const MatrixXd& B) const { return factor_.matrixL() * B; }
 
 PivotedCholesky::PivotedCholesky(const MatrixXd& A)
     : factor_(std::make_unique<Factor>(Factor{Eigen::LDLT<MatrixXd>(A)})) {}
-PivotedCholesky::PivotedCholesky(PivotedCholesky&&) noexcept = default;
-PivotedCholesky::~PivotedCholesky() = default;
 
-bool PivotedCholesky::is_factored() const { return factor_->of.info() == Eigen::Success; }
-VectorXd PivotedCholesky::D() const { return factor_->of.vectorD(); }
-MatrixXd PivotedCholesky::solve(const MatrixXd& B) const { return factor_->of.solve(B); }
-VectorXd PivotedCholesky::solve_vector(const VectorXd& b) const { return factor_->of.solve(b); }
+bool PivotedCholesky::is_factored() const { return factor_.info() == Eigen::Success; }
+VectorXd PivotedCholesky::D() const { return factor_.vectorD(); }
+MatrixXd PivotedCholesky::solve(const MatrixXd& B) const { return factor_.solve(B); }
+VectorXd PivotedCholesky::solve_vector(const VectorXd& b) const { return factor_.solve(b); }
 
 Spectrum spectrum(const MatrixXd& A) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(A);
@@ -64,8 +52,8 @@ MatrixXd left_inverse(const MatrixXd& H, const MatrixXd& R) {
     if (!H.row(i).isZero(0)) seeing.push_back(i);
   if (static_cast<Eigen::Index>(seeing.size()) < H.cols()) return {};
   const MatrixXd seen = H(seeing, Eigen::all);
-  const MatrixXd W = seen.rows() == seen.cols() ? MatrixXd(seen.inverse())
-                                                : MatrixXd(seen.transpose() * R(seeing, seeing).inverse());
+  const MatrixXd W =
+      seen.rows() == seen.cols() ? MatrixXd(seen.inverse()) : MatrixXd(seen.transpose() * R(seeing, seeing).inverse());
   const Eigen::FullPivLU<MatrixXd> lu(W * seen);
   if (!W.allFinite() || !lu.isInvertible()) return {};
   MatrixXd B = MatrixXd::Zero(H.cols(), H.rows());

@@ -30,6 +30,10 @@ Triad attitude_fields() {
           level("yaw", "rad", "heading of body x, from north to east")};
 }
 
+ParameterSpec sigmas(std::string name, const std::string& unit, const std::string& defaults, const std::string& text) {
+  return parameter::vector(std::move(name), unit, 3).at_least(0).defaults(defaults).about(text);
+}
+
 ImuFields carry_imu(ChannelDeclaration& channel, bool emits_rates) {
   const auto carry = [&](Triad fields) {
     for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "random/normal.hpp"
+#include "simulation/fields.hpp"
 
 namespace binnacle::simulation {
 
@@ -70,23 +71,15 @@ std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::st
                                           const SensorDefaults& defaults) {
   using namespace parameter;
   return {
-      vector("bias", unit, 3)
-          .at_least(0)
-          .defaults(defaults.bias)
-          .about("standard deviation of the bias, drawn once per run, per body axis"),
-      vector("bias_instability", unit, 3)
-          .at_least(0)
-          .defaults(defaults.instability)
-          .about("standard deviation of the time-varying bias, a first-order Gauss-Markov process"),
+      sigmas("bias", unit, defaults.bias, "standard deviation of the bias, drawn once per run, per body axis"),
+      sigmas("bias_instability", unit, defaults.instability,
+             "standard deviation of the time-varying bias, a first-order Gauss-Markov process"),
       time("tau").above(0).defaults(defaults.tau).about("correlation time of the time-varying bias"),
       vector("noise", noise_unit, 3)
           .at_least(0)
           .defaults(defaults.noise)
           .about("root of the power spectral density of the white noise, the random walk of its integral"),
-      vector("scale", "1", 3)
-          .at_least(0)
-          .defaults(defaults.scale)
-          .about("standard deviation of the scale factor error, drawn once per run"),
+      sigmas("scale", "1", defaults.scale, "standard deviation of the scale factor error, drawn once per run"),
   };
 }
 

@@ -2,9 +2,8 @@
 // Decompositions of real matrices behind plain signatures. The numbers are those of Eigen's classes of dynamic size.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-
-#include <memory>
 
 namespace binnacle::algebra {
 
@@ -17,8 +16,6 @@ using Eigen::VectorXd;
 class Cholesky {
  public:
   explicit Cholesky(const MatrixXd& A);
-  Cholesky(Cholesky&&) noexcept;
-  ~Cholesky();
 
   bool is_positive() const;
   /// A lower bound of the reciprocal condition number, as Eigen estimates it.
@@ -35,16 +32,13 @@ class Cholesky {
   MatrixXd times_L(const MatrixXd& B) const;
 
  private:
-  struct Factor;
-  std::unique_ptr<Factor> factor_;
+  Eigen::LLT<MatrixXd> factor_;
 };
 
 /// A = L D Lᵀ of a symmetric matrix, with pivots (Eigen::LDLT).
 class PivotedCholesky {
  public:
   explicit PivotedCholesky(const MatrixXd& A);
-  PivotedCholesky(PivotedCholesky&&) noexcept;
-  ~PivotedCholesky();
 
   bool is_factored() const;
   /// Elements of D, in the order of the pivots.
@@ -54,8 +48,7 @@ class PivotedCholesky {
   VectorXd solve_vector(const VectorXd& b) const;
 
  private:
-  struct Factor;
-  std::unique_ptr<Factor> factor_;
+  Eigen::LDLT<MatrixXd> factor_;
 };
 
 /// Eigenvalues in ascending order, and an orthonormal eigenvector in each column.

@@ -21,6 +21,9 @@ Triad position_fields();  // lat lon height
 Triad velocity_fields();  // vn ve vd
 Triad attitude_fields();  // roll pitch yaw
 
+/// Three standard deviations, none below zero.
+ParameterSpec sigmas(std::string name, const std::string& unit, const std::string& defaults, const std::string& text);
+
 /// wx wy wz fx fy fz, as rates or as increments.
 struct ImuFields {
   OutputFields<3> w, f;
