@@ -17,7 +17,6 @@ const std::vector<TypedElsewhere>& typed_elsewhere() {
       {R"((python3 -m venv |env/bin/))", "tests/package/dist.sh", "pip install --no-index"},
       {R"((export PATH=\$PWD/binnacle-|binnacle run binnacle-0|man -M binnacle-))", "tests/package/dist.sh",
        "install_tarball"},
-      {R"(tests/elsewhere/run\b)", "tests/elsewhere/systems.txt", "debootstrap"},
       {R"(apt-get install )", "tests/package/install_page.sh", "apt-get -s install"},
       {R"(apt-get purge )", "tests/package/install_page.sh",
        "says 'apt-get purge binnacle'"},  // is only read: nothing is installed

@@ -21,6 +21,7 @@ using namespace binnacle::testing;
 namespace {
 
 const AdditiveKind position(2, "m");
+
 /// A measurement of both components, in 20 cm.
 Setup of_both(const char* parameters = R"({"sigma": ["20 cm"]})") {
   return {parameters, {{"x", &position}}, {"z2", "z3", "z4", "z5", "z6", "z7"}};

@@ -22,8 +22,7 @@ MatrixXd Cholesky::solve_L(const MatrixXd& B) const { return factor_.matrixL().s
 VectorXd Cholesky::solve_L_vector(const VectorXd& b) const { return factor_.matrixL().solve(b); }
 MatrixXd Cholesky::times_L(const MatrixXd& B) const { return factor_.matrixL() * B; }
 
-PivotedCholesky::PivotedCholesky(const MatrixXd& A)
-    : factor_(std::make_unique<Factor>(Factor{Eigen::LDLT<MatrixXd>(A)})) {}
+PivotedCholesky::PivotedCholesky(const MatrixXd& A) : factor_(A) {}
 
 bool PivotedCholesky::is_factored() const { return factor_.info() == Eigen::Success; }
 VectorXd PivotedCholesky::D() const { return factor_.vectorD(); }
