@@ -30,7 +30,7 @@ class ParametersSection final : public Section {
   ParameterValue take() const { return std::move(value_); }
 
  private:
-  /// Of components in one unit, as the kernel has it.
+  /// Declares components in one unit, as the kernel does.
   std::optional<PortMeasure> measure(std::string_view port) const {
     const auto found = setup_.ports.find(std::string(port));
     if (found == setup_.ports.end()) return std::nullopt;

@@ -28,7 +28,7 @@ constexpr const char* exit_statuses =
     "Exit status: 0 ok, 1 a check failed or a filter broke, 2 usage, 3 config, 4 plugin, 5 data.\n"
     "Results go to stdout, errors to stderr. NO_COLOR disables colours.";
 
-/// What this program is: its own verbs, and its name among the modules.
+/// A program of the command: its own verbs, and its name among the modules.
 struct Program {
   std::string_view module;
   std::span<const OwnVerb> own;

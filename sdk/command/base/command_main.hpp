@@ -19,16 +19,16 @@ struct OwnVerb {
   Verb (*add)(CLI::App& command);
 };
 
-/// What main() returns. `module`: this program's name in known_verbs(), "" of the command itself. The command hands the
-/// verbs that are not its own over to their modules; a module takes nothing but its own.
+/// The status for main() to return. `module`: this program's name in known_verbs(), "" of the command itself. The
+/// command hands the verbs that are not its own over to their modules; a module takes nothing but its own.
 int command_main(int argc, char** argv, std::string_view module, std::span<const OwnVerb> own);
 
-/// Of the command itself.
+/// Verbs of the command itself.
 Verb run_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb version_verb(CLI::App& command);
 
-/// Of binnacle-study; its check knows "study", "covariance" and "tune" too.
+/// Verbs of binnacle-study; its check knows "study", "covariance" and "tune" too.
 Verb study_verb(CLI::App& command);
 Verb covariance_verb(CLI::App& command);
 Verb tune_verb(CLI::App& command);
@@ -36,10 +36,10 @@ Verb observe_verb(CLI::App& command);
 Verb allan_verb(CLI::App& command);
 Verb whole_check_verb(CLI::App& command);
 
-/// Of binnacle-inspect.
+/// Verbs of binnacle-inspect.
 Verb inspect_verb(CLI::App& command);
 
-/// Of binnacle-describe.
+/// Verbs of binnacle-describe.
 Verb explain_verb(CLI::App& command);
 Verb list_verb(CLI::App& command);
 Verb describe_verb(CLI::App& command);
@@ -48,7 +48,7 @@ Verb schema_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);
 Verb new_verb(CLI::App& command);
 
-/// Of binnacle-report.
+/// Verbs of binnacle-report.
 Verb report_verb(CLI::App& command);
 Verb export_verb(CLI::App& command);
 

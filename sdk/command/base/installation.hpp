@@ -6,7 +6,7 @@
 
 namespace binnacle::command {
 
-/// Where this program lies, and with it the command and its modules.
+/// The folder of this program, and with it the command and its modules.
 std::filesystem::path program_folder();
 
 /// PREFIX of PREFIX/bin/binnacle.

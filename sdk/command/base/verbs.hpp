@@ -40,7 +40,7 @@ class ConfigOptions {
   bool allows_plugins_ = false;
 };
 
-/// Whether a file is taken for a config, by its name.
+/// True if a file is taken for a config, by its name.
 bool is_config(const std::string& file);
 
 /// A word of a command line, quoted where a shell wants it.

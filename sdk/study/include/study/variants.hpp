@@ -19,7 +19,7 @@ struct VariantPatches {
 };
 
 /// Those of "study": first one of each of "dimensions" ("lc low": the first dimension turns slowest), then "variants".
-/// Where there is neither: "base", without a patch.
+/// If there is neither: "base", without a patch.
 std::vector<VariantPatches> variants_of(const Config& config, Diagnostics& diagnostics);
 
 /// The patches of the variant. Throws ConfigError (B090) where there is none of that name.

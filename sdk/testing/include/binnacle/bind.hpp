@@ -43,7 +43,7 @@ class JsonText {
   std::string text_;
 };
 
-/// What a component is bound to.
+/// Everything that a component is bound to.
 struct Setup {
   JsonText parameters = "{}";
   std::map<std::string, const StateBlock*> ports = {};  // a port that is not named stays open
