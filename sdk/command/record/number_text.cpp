@@ -9,6 +9,8 @@ namespace binnacle::command {
 
 namespace {
 
+constexpr double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
+
 char* put(char* at, double value, std::chars_format format, int precision) {
   return std::to_chars(at, at + longest_number, value, format, precision).ptr;
 }
@@ -28,8 +30,8 @@ char* put_number(char* at, double value, Digits digits) {
   }
   if (digits.decimals == Digits::shortest || !std::isfinite(value))
     return std::to_chars(at, at + longest_number, value).ptr;
-  const bool is_small = digits.decimals == Digits::none ||
-                        std::abs(value) * std::pow(10.0, digits.decimals) < std::pow(10.0, digits.significant - 1);
+  const bool is_small =
+      digits.decimals == Digits::none || std::abs(value) * powers[digits.decimals] < powers[digits.significant - 1];
   if (is_small) return put(at, value, std::chars_format::general, digits.significant);
   char* const end = put(at, value, std::chars_format::fixed, digits.decimals);
   return digits.decimals == 0 ? end : without_zeros(end);
