@@ -22,7 +22,7 @@ weigh() {
     *" Linking "*) path=link/$path ;;
     *) path=other/$path ;;
   esac
-  while true; do
+  while [ -n "$path" ]; do
     if [ -n "${binnacle_costs[$path]:-}" ]; then
       weight=${binnacle_costs[$path]}
       return 0

@@ -88,8 +88,9 @@ plan_targets() {
 ninja_targets() {
   local log=$binnacle_build/build.log
   plan_targets "$@" >"$binnacle_build/plan.txt"
+  # A fault of the display does not end the build.
   if NINJA_STATUS='[%f/%t] ' ninja -C "$binnacle_build" -j"$binnacle_jobs" "$@" 2>&1 </dev/null | tee "$log" |
-    show_progress "$binnacle_build/plan.txt"; then
+    { (show_progress "$binnacle_build/plan.txt") || cat >/dev/null; }; then
     return 0
   fi
   cat "$log" >&2

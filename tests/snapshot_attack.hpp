@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_block.hpp"
 #include "run/checksum.hpp"
 
 namespace snapshot_attack {

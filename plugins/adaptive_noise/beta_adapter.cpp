@@ -3,7 +3,6 @@
 #include "beta_adapter.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 namespace binnacle::adaptive_noise {

@@ -3,7 +3,6 @@
 #include "bounds.hpp"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace binnacle::adaptive_noise {

@@ -2,9 +2,7 @@
 // What an estimator remembers of each row, in plain memory, whatever rows a sample has.
 #include "row_memory.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace binnacle::adaptive_noise {
 

@@ -2,8 +2,6 @@
 // An attitude that another system gives.
 #pragma once
 
-#include <array>
-
 #include <Eigen/Core>
 
 #include "binnacle/measurement_model.hpp"

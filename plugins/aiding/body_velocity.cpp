@@ -2,7 +2,6 @@
 // A velocity over ground in body axes: a Doppler log, wheels.
 #include "body_velocity.hpp"
 
-#include <array>
 #include <cmath>
 
 namespace binnacle::aiding {

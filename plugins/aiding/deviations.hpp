@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"

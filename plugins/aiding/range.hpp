@@ -2,8 +2,6 @@
 // Distances to points that are known.
 #pragma once
 
-#include <optional>
-
 #include "anchors.hpp"
 #include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "anchors.hpp"
 #include "binnacle/measurement_model.hpp"

@@ -2,6 +2,7 @@
 // A velocity in body axes: a Doppler log, a wheel.
 #include <cmath>
 
+#include "binnacle/eigen.hpp"
 #include "sensor.hpp"
 #include "strapdown/rotation.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "binnacle/eigen.hpp"
 #include "sensor.hpp"
 #include "strapdown/rotation.hpp"
 

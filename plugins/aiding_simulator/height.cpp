@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A barometer, as a height.
+#include "binnacle/eigen.hpp"
 #include "sensor.hpp"
 
 namespace binnacle::aiding_simulator {

@@ -2,6 +2,7 @@
 // A magnetometer of three axes.
 #include <cmath>
 
+#include "binnacle/eigen.hpp"
 #include "sensor.hpp"
 
 namespace binnacle::aiding_simulator {

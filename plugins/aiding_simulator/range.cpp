@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Distances to anchors, and differences of them: ultra-wideband, acoustic transponders.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/geodesy.hpp"
 #include "sensor.hpp"
 

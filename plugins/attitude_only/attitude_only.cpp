@@ -8,7 +8,6 @@
 #include "attitude/choice.hpp"
 #include "binnacle/view.hpp"
 #include "inertial/sample_group.hpp"
-#include "inertial/sample_memory.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::attitude_only {

@@ -2,8 +2,6 @@
 // An attitude moved by gyro increments alone.
 #pragma once
 
-#include <cstddef>
-
 #include <Eigen/Core>
 
 #include "attitude/algorithm.hpp"

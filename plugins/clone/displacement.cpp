@@ -2,7 +2,6 @@
 // Displacements along a path that is known: what measures them, simulated.
 #include "displacement.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "binnacle/geodesy.hpp"

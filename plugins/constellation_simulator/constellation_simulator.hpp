@@ -2,7 +2,6 @@
 // The constellation_simulator transform: from where a vehicle is to what its receiver measures.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>

@@ -2,8 +2,6 @@
 // A vector, or a linear combination of its components, measured directly.
 #include "linear_measurement.hpp"
 
-#include <cmath>
-
 namespace binnacle::core {
 
 namespace {

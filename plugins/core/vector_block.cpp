@@ -3,7 +3,6 @@
 #include "vector_block.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace binnacle::core {

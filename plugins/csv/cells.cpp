@@ -3,7 +3,6 @@
 #include "cells.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <cstring>

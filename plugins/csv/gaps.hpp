@@ -2,7 +2,6 @@
 // Steps between the times of samples: the usual one, and those that are too long.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

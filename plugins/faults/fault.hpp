@@ -2,7 +2,6 @@
 // One fault: what it does to a sample, when, and to which of its fields.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::frames {

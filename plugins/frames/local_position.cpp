@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "local_position.hpp"
 
-#include <cmath>
-
 namespace binnacle::frames {
 
 namespace {

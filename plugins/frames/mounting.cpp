@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::frames {

@@ -3,7 +3,6 @@
 #include "pv_fix.hpp"
 
 #include <string>
-#include <vector>
 
 #include "strapdown/earth.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Standard deviations of a fix.
 #include "reported_sigma.hpp"
+#include "binnacle/eigen.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/view.hpp"
 #include "strapdown/local_axes.hpp"
 

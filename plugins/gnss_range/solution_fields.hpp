@@ -2,6 +2,7 @@
 // Fields by which a place and a motion are played.
 #pragma once
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"
 

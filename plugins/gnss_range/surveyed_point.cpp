@@ -3,7 +3,6 @@
 #include "surveyed_point.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "gnss/channels.hpp"
 #include "strapdown/earth.hpp"

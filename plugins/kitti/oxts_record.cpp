@@ -3,6 +3,7 @@
 // dataset", IJRR 32 (2013): 30 numbers, their units, axes and signs.
 #include "oxts_record.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>

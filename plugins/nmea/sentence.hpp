@@ -4,10 +4,8 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "civil_time/utc_clock.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solution.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "binnacle/geodesy.hpp"
 

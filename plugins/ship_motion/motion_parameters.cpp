@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "binnacle/eigen.hpp"
 #include "record.hpp"
 #include "shaping_fit.hpp"
 #include "spectrum.hpp"

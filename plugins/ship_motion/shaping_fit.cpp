@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/parameters.hpp"
 
 namespace binnacle::ship_motion {

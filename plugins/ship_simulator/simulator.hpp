@@ -2,8 +2,6 @@
 // The source: a ship in waves as samples of a master INS, of a slave's inertial sensors, and truth.
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
 #include "binnacle/source.hpp"

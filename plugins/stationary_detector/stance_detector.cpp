@@ -3,9 +3,7 @@
 #include "stance_detector.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 

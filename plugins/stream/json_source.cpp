@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "json_source.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include <nlohmann/json.hpp>

@@ -4,7 +4,6 @@
 
 #include <map>
 #include <optional>
-#include <string>
 
 #include "bits.hpp"
 #include "gnss/atmosphere.hpp"

@@ -3,10 +3,8 @@
 // (UBX-18010854), ZED-F9R interface description (UBX-19056845): the places and scales of the fields.
 #include "kinds.hpp"
 
-#include <cmath>
+#include <array>
 #include <cstdio>
-#include <limits>
-#include <numbers>
 #include <utility>
 
 namespace binnacle::ublox {

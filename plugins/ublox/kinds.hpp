@@ -2,7 +2,6 @@
 // What is read of a u-blox receiver: messages, channels, fields.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -9,7 +9,6 @@
 #include <limits>
 #include <numbers>
 #include <string_view>
-#include <type_traits>
 
 namespace binnacle::ublox {
 

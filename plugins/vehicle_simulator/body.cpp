@@ -2,7 +2,6 @@
 // The body: where the inertial sensor sits in the vehicle, and what it feels there of path, ride and engine.
 #include "body.hpp"
 
-#include <array>
 #include <cstddef>
 
 #include <Eigen/Geometry>

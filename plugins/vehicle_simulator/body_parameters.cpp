@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "binnacle/eigen.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::vehicle_simulator {

@@ -2,7 +2,6 @@
 // What the simulator declares: its parameters and its channels.
 #include "declaration.hpp"
 
-#include <numbers>
 #include <string>
 #include <utility>
 

@@ -3,7 +3,6 @@
 #include "simulator.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>

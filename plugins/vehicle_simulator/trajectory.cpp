@@ -2,7 +2,6 @@
 // The drive as functions of time.
 #include "trajectory.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <utility>
 
+#include "binnacle/state_block.hpp"
 #include "binnacle/version.hpp"
 #include "handles.hpp"
 #include "score/sections.hpp"

@@ -3,8 +3,6 @@
 #include "binnacle/session.hpp"
 
 #include <algorithm>
-#include <cstddef>
-#include <span>
 #include <utility>
 
 #include "handles.hpp"

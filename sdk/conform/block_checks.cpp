@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // numbers.block: the laws of a manifold.
-#include <cmath>
 #include <numbers>
 
 #include "fixture.hpp"

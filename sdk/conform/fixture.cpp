@@ -13,7 +13,6 @@
 
 #include "allocations.hpp"
 #include "guarded.hpp"
-#include "miniature.hpp"
 
 namespace binnacle::conform {
 

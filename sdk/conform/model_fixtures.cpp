@@ -2,7 +2,6 @@
 // Models that are bound, and plausible input for them.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Dense>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "convert/track.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <initializer_list>

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plan.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 #include "binnacle/unit.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"

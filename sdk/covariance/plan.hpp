@@ -12,6 +12,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/state_block.hpp"
 #include "score/metric.hpp"
 
 namespace binnacle::covariance {

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/step_log.hpp"
 
 namespace binnacle::covariance {

@@ -5,8 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/section.hpp"
 #include "document/document.hpp"
 #include "kind_name.hpp"
 

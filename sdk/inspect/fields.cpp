@@ -2,6 +2,7 @@
 // Fields of one channel: no numbers, constant, stuck, quantized, clipped, spikes, standard deviations that cannot be.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A heading by the course.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 

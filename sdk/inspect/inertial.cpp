@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Units of an inertial sensor: specific force by gravity, rates by turning; rates or increments.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

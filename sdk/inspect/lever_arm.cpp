@@ -2,11 +2,9 @@
 #include "lever_arm.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
-#include <Eigen/Core>
 
 #include "algebra/decompositions.hpp"
 #include "inspect/inspect.hpp"

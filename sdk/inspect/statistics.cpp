@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Core>
-
 #include "algebra/decompositions.hpp"
 
 namespace binnacle::inspect {

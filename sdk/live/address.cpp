@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "address.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
-#include <string>
 
 #include "live/run_page.hpp"
 

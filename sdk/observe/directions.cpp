@@ -6,8 +6,6 @@
 #include <functional>
 #include <limits>
 
-#include <Eigen/Core>
-
 #include "algebra/decompositions.hpp"
 
 namespace binnacle::observe {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include "binnacle/state_block.hpp"
 #include "binnacle/time.hpp"
 #include "binnacle/unit.hpp"
 #include "wording/wording.hpp"

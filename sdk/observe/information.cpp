@@ -3,9 +3,8 @@
 
 #include <limits>
 
-#include <Eigen/Core>
-
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
 
 namespace binnacle::observe {
 

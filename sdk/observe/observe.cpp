@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observe/observe.hpp"
 
-#include <optional>
-
 #include "figures.hpp"
 #include "one_path.hpp"
 #include "score/sections.hpp"

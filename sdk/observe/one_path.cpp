@@ -2,12 +2,12 @@
 #include "one_path.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/run.hpp"
 #include "observe/directions.hpp"
 #include "score/sections.hpp"

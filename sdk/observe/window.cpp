@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "binnacle/eigen.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::observe {

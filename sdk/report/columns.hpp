@@ -6,8 +6,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

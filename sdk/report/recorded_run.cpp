@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "binnacle/state_block.hpp"
 #include "decimation.hpp"
 #include "payload.hpp"
 #include "results/run_writer.hpp"

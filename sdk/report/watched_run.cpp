@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/watched_run.hpp"
 
-#include <utility>
+#include <algorithm>
 
 #include "binnacle/state_block.hpp"
 #include "binnacle/time.hpp"

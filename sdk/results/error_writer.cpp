@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "attributes.hpp"
+#include "binnacle/state_block.hpp"
 #include "frames.hpp"
 #include "results/run_writer.hpp"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <exception>
 #include <optional>
-#include <utility>
 
 #include "attributes.hpp"
+#include "binnacle/state_block.hpp"
 #include "columns.hpp"
 #include "error_writer.hpp"
 #include "frames.hpp"

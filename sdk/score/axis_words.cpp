@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "binnacle/eigen.hpp"
 #include "wording/short_number.hpp"
 #include "wording/wording.hpp"
 

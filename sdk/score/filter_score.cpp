@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "binnacle/eigen.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 

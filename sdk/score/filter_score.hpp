@@ -2,16 +2,15 @@
 // Scores one filter of a run: errors against reference channels and against withheld samples.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"
 #include "gate_watch.hpp"
 #include "implied_state.hpp"

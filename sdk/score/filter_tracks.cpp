@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "binnacle/state_block.hpp"
 #include "filter_score.hpp"
 #include "wording/wording.hpp"
 

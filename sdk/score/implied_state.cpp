@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
+#include "binnacle/state_block.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 

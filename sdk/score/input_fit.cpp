@@ -2,13 +2,10 @@
 #include "input_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <numbers>
 
-#include "linear_fit.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

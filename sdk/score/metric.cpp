@@ -2,7 +2,6 @@
 #include "score/metric.hpp"
 
 #include <utility>
-#include <vector>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"

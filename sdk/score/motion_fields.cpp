@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "wording/wording.hpp"
 

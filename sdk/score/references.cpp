@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/state_block.hpp"
 #include "binnacle/unit.hpp"
 #include "wording/wording.hpp"
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/state_block.hpp"
 #include "binnacle/unit.hpp"
 #include "plan.hpp"
 #include "references.hpp"

@@ -2,10 +2,10 @@
 #include "segments.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/Geometry>
 
+#include "binnacle/state_block.hpp"
 #include "record_epochs.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"

@@ -2,7 +2,6 @@
 #include "series.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "binnacle/unit.hpp"
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "binnacle/eigen.hpp"
+#include "binnacle/state_block.hpp"
 #include "recorder.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"

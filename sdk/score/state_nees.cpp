@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
+#include "binnacle/state_block.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

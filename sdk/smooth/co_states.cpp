@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "binnacle/eigen.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::smooth {

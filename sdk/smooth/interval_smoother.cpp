@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "binnacle/run.hpp"
 #include "smooth/rows.hpp"

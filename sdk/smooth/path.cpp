@@ -5,10 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <string>
 #include <utility>
-
-#include <Eigen/Core>
 
 #include "algebra/decompositions.hpp"
 #include "binnacle/state_block.hpp"

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "binnacle/state_block.hpp"
-#include "smooth/path.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 

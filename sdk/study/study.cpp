@@ -6,9 +6,8 @@
 #include <deque>
 #include <exception>
 #include <fstream>
-#include <functional>
-#include <map>
 
+#include "binnacle/catalog.hpp"
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "binnacle/section.hpp"
 

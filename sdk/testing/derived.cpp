@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Derived blocks: J against differences of the value.
 #include <algorithm>
-#include <cmath>
 
 #include "binnacle/view.hpp"
 #include "differences.hpp"

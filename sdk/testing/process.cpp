@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Process models: Φ against differences, Qd against finer integration, rest.
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "judge.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"
 

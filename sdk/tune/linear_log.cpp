@@ -7,9 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include <Eigen/Core>
-
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
 #include "smooth/co_states.hpp"
 #include "wording/wording.hpp"
 

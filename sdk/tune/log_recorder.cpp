@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "binnacle/eigen.hpp"
 #include "smooth/rows.hpp"
 #include "wording/wording.hpp"
 

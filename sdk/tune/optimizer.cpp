@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Core>
 #include <nlopt.hpp>
 
 #include "algebra/decompositions.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <utility>
 
 #include "binnacle/unit.hpp"
 #include "score/sections.hpp"

@@ -2,8 +2,6 @@
 #include "runs.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "binnacle/run.hpp"

@@ -2,8 +2,6 @@
 // The runs behind a likelihood: every config that is tuned over, at given values.
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <set>
 #include <string>

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "algebra/decompositions.hpp"
+#include "binnacle/eigen.hpp"
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"

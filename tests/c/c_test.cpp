@@ -11,6 +11,7 @@
 
 #include "allocations.hpp"
 #include "binnacle/session.hpp"
+#include "binnacle/state_block.hpp"
 #include "binnacle/version.hpp"
 #include "catch.hpp"
 #include "drive.h"

@@ -20,7 +20,9 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
+#include "binnacle/state_block.hpp"
 #include "catch.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"

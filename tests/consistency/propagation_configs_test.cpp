@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/run.hpp"
 #include "catch.hpp"
 #include "score/run.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A soak, and the extremes of numbers. `BINNACLE_SOAK_STEPS=10000000 fault_tests "a soak*"` makes it as long as one likes; its
 // table goes to stdout, and so does that of "P0 over R*".
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

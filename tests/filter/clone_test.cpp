@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 

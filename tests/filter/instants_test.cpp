@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/plugin.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"

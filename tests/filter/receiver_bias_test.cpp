@@ -10,6 +10,8 @@
 
 #include <Eigen/Dense>
 
+#include "binnacle/eigen.hpp"
+#include "binnacle/state_block.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The step log holds all that happens to P: a dense replay, from P of the start and the log alone, gives every P.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -8,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"

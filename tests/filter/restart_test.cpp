@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 

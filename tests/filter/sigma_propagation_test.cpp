@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // "propagation": "unscented": the Kalman filter where the models are linear, the unscented filter of the textbook where they
 // are not, and what it does where sigma points can not be had.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -11,6 +12,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 
 #include "allocations.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ways to update: iterated and unscented against the Kalman filter where all is linear, against independent solutions where
 // nothing is, and with plugins that refuse, vanish or throw on the way.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 
 #include <Eigen/Dense>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"

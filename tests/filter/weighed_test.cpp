@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "allocations.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "line.hpp"

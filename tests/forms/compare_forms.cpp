@@ -17,6 +17,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/run.hpp"
+#include "binnacle/state_block.hpp"
 
 using namespace binnacle;
 using Json = nlohmann::json;

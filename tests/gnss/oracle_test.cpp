@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Satellite states and ranges from recorded broadcast messages against oracle tables made by other code.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>

@@ -3,6 +3,7 @@
 // broken is survived. Data as in gnss_data.hpp.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A csv file in pieces: whatever the windows, the blocks and what stays in memory, the same samples, warnings and faults.
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>

@@ -5,6 +5,7 @@
 #include "binnacle/bind.hpp"
 #include "binnacle/testing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>

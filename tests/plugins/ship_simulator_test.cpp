@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ship simulator: its motion against other mathematics, its errors against their statistics, its manners.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -2,6 +2,7 @@
 // Plugin target_simulator: azimuths against truth and the legs, the spread of starts and increments over many seeds.
 #include "../../plugins/target_simulator/simulator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>

@@ -3,6 +3,7 @@
 #include "../../plugins/walk_simulator/simulator.hpp"
 #include "../../plugins/walk_simulator/walk.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -11,6 +11,7 @@
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "command.hpp"
 #include "score/run.hpp"
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/random.hpp"
 #include "binnacle/registry.hpp"
 #include "binnacle/run_together.hpp"

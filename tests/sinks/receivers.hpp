@@ -2,6 +2,7 @@
 // What live output is sent to in tests: clients, datagrams, a pseudo-terminal, a folder.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>

@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "allocations.hpp"
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "skip.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Iterations about the smoothed path against Gauss and Newton over all states at once, in long double.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include <Eigen/Dense>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/run.hpp"
 #include "catch.hpp"
 #include "line.hpp"

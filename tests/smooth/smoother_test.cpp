@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smoothed estimates of composed linear filters against three oracles in long double: Rauch, Tung and Striebel; one dense
 // least squares over all states; and, where gains are not optimal, the joint error through the gains that were used.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <Eigen/Dense>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "smooth/interval_smoother.hpp"

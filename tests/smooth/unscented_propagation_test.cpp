@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "catch.hpp"
 #include "line.hpp"
 #include "smooth/interval_smoother.hpp"

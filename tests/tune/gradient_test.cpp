@@ -3,6 +3,7 @@
 // innovations at other noise, central differences, and sensitivities forwards.
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -11,6 +12,7 @@
 #include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
+#include "binnacle/eigen.hpp"
 #include "line.hpp"
 #include "log_recorder.hpp"
 #include "tune/linear_log.hpp"

@@ -2,6 +2,7 @@
 // Random transitions and updates for the arithmetic on P, as tables of blocks and as dense matrices.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <random>
 #include <vector>

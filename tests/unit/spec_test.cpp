@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/local_axes.hpp"
 #include "catch.hpp"
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/registry.hpp"
 
 // SHA-256 over these headers, its first 16 hex digits, as `#define BINNACLE_HEADER_HASH 0x…ull`; made by the build.

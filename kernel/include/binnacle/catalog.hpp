@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -75,6 +76,14 @@ class ComponentType {
 
   AnyFactory factory_ = nullptr;  // of the role's signature
   std::shared_ptr<const void> library_;
+};
+
+/// A plugin that is no file but part of the program; its types are found by name like those of any other. It lives as long as
+/// anything that is made of it.
+struct LinkedPlugin {
+  std::string name;     // "my_models", in snake_case
+  std::string version;  // part of what a snapshot is of: another version refuses it
+  std::function<void(Registry& registry)> add_types;
 };
 
 /// A plugin that was loaded, or waits until a type of it is wanted.

@@ -10,19 +10,27 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
-#include "binnacle/catalog.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/process_model.hpp"
 #include "binnacle/sample.hpp"
-#include "binnacle/section.hpp"
-#include "binnacle/state_block.hpp"
 
 namespace binnacle {
 
 namespace internal::compose {
 struct CompositionPlan;
 }
+class Catalog;        // binnacle/catalog.hpp
+class ComponentType;  // binnacle/catalog.hpp
+class DerivedBlock;
+class MeasurementModel;
+class NoiseEstimator;
+class ProcessModel;
+class SectionData;  // binnacle/section.hpp
+class Source;
+class StateBlock;
+struct StateBlockDeclaration;
+class Transform;
 
 /// A component as it is bound. It keeps its plugin loaded.
 template <class Base>

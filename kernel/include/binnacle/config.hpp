@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,16 +19,8 @@ class Document;
 struct JsonOf;
 }  // namespace internal::config
 class Composition;
-class Registry;
-class Section;
-
-/// A plugin that is no file but part of the program; its types are found by name like those of any other. It lives as long as
-/// anything that is made of it.
-struct LinkedPlugin {
-  std::string name;     // "my_models", in snake_case
-  std::string version;  // part of what a snapshot is of: another version refuses it
-  std::function<void(Registry& registry)> add_types;
-};
+class Section;        // binnacle/section.hpp
+struct LinkedPlugin;  // binnacle/catalog.hpp
 
 /// What the command line, or the program, adds to a config.
 struct LoadOptions {

@@ -2,7 +2,6 @@
 // What the declarations of several components have in common: memory, which the kernel keeps in the arena, and Jacobians.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <new>
@@ -13,6 +12,17 @@
 #include "binnacle/handle.hpp"
 
 namespace binnacle {
+
+/// How much of a block of Φ, F or Q is ever non-zero; the kernel does no arithmetic on the rest.
+/// `dense`: dof(to)×dof(from) elements. `diagonal`: the dof diagonal elements (both ports of equal dof).
+enum class Structure { dense, diagonal };
+
+/// The block of Φ with the rows of port `to` and the columns of port `from`. Ports by index in the spec's order.
+struct Coupling {
+  int to = 0;
+  int from = 0;
+  Structure structure = Structure::dense;
+};
 
 /// A component's memory during one call.
 class MemoryView {

@@ -8,6 +8,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"

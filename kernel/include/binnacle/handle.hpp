@@ -2,12 +2,10 @@
 // Handles: what a component asked for by name when it was bound, as an index for the loop.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <array>
 #include <cstddef>
-#include <span>
-#include <type_traits>
+
+#include "binnacle/view.hpp"
 
 namespace binnacle {
 
@@ -58,8 +56,8 @@ struct Several {
   }
   /// `numbers[each]`, as a vector.
   template <class Numbers>
-  Eigen::Matrix<double, N, 1> of(const Numbers& numbers) const {
-    Eigen::Matrix<double, N, 1> v;
+  auto of(const Numbers& numbers) const {
+    VectorOf<N> v;
     for (int i = 0; i < N; ++i) v[i] = numbers[(*this)[i]];
     return v;
   }

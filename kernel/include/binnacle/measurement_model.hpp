@@ -2,7 +2,6 @@
 // MeasurementModel: what is seen of the state.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/sample.hpp"

@@ -2,8 +2,6 @@
 // What every model is handed besides its own: values of ports, the driving rates, auxiliary samples, covariance, notes.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cassert>
 
 #include "binnacle/handle.hpp"
@@ -62,7 +60,7 @@ class DrivingRates {
     return values_[rate.index()];
   }
   template <int N>
-  Eigen::Matrix<double, N, 1> operator[](const Several<DrivingRate, N>& rates) const noexcept {
+  VectorOf<N> operator[](const Several<DrivingRate, N>& rates) const noexcept {
     return rates.of(*this);
   }
   const double* data() const noexcept { return values_; }

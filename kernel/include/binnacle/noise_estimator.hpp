@@ -8,6 +8,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
@@ -54,10 +55,6 @@ struct Innovation {
   MemoryView memory;
   Notes notes;
 };
-
-/// What became of a sample of a measurement.
-enum class Outcome { accepted, gated, late, unsupported, invalid, withheld, rejected };
-inline constexpr int outcome_count = 7;
 
 /// What an update left.
 struct AfterUpdate {

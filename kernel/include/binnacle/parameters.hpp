@@ -2,8 +2,6 @@
 // Parameters as a plugin sees them: checked, complete, in SI.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/time.hpp"
+#include "binnacle/view.hpp"
 
 namespace binnacle {
 
@@ -86,11 +85,13 @@ class Parameters {
   /// Text, choice or resolved path.
   const std::string& text(std::string_view name) const { return get(name, ParameterValue::Type::text).text; }
   Time time(std::string_view name) const { return get(name, ParameterValue::Type::integer).integer; }
-  Eigen::Map<const Eigen::VectorXd> vector(std::string_view name) const {
+  template <int Rows = dynamic>
+  ConstMapOf<Rows> vector(std::string_view name) const {
     const auto& value = get(name, ParameterValue::Type::vector);
-    return {value.numbers.data(), static_cast<Eigen::Index>(value.numbers.size())};
+    return {value.numbers.data(), static_cast<int>(value.numbers.size())};
   }
-  Eigen::Map<const Eigen::MatrixXd> matrix(std::string_view name) const {
+  template <int Rows = dynamic, int Cols = dynamic>
+  ConstMapOf<Rows, Cols> matrix(std::string_view name) const {
     const auto& value = get(name, ParameterValue::Type::matrix);
     return {value.numbers.data(), value.rows, value.cols};
   }

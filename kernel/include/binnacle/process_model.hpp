@@ -2,31 +2,19 @@
 // ProcessModel: how blocks move between two instants.
 #pragma once
 
-#include <algorithm>
 #include <cassert>
-#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/time.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle {
-
-/// How much of a block of Φ, F or Q is ever non-zero; the kernel does no arithmetic on the rest.
-/// `dense`: dof(to)×dof(from) elements. `diagonal`: the dof diagonal elements (both ports of equal dof).
-enum class Structure { dense, diagonal };
-
-/// The block of Φ with the rows of port `to` and the columns of port `from`. Ports by index in the spec's order.
-struct Coupling {
-  int to = 0;
-  int from = 0;
-  Structure structure = Structure::dense;
-};
 
 /// A block of Φ, F, Q or GQGᵀ that a process model writes completely; null where nobody wants it.
 class BlockView {
@@ -41,30 +29,26 @@ class BlockView {
   constexpr int cols() const noexcept { return cols_; }
 
   /// All of a dense block: `phi.as<3, 3>()`, or `phi.as()` where the size is known at run time only.
-  template <int Rows, int Cols>
+  template <int Rows = dynamic, int Cols = dynamic>
   MapOf<Rows, Cols> as() const {
-    assert(data_ && structure_ == Structure::dense && rows_ == Rows && cols_ == Cols);
-    return MapOf<Rows, Cols>(data_);
-  }
-  MapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
     assert(!data_ || structure_ == Structure::dense);
+    assert(Rows == dynamic || (data_ && rows_ == Rows && cols_ == Cols));
     return {data_, rows_, cols_};
   }
   /// The diagonal of a diagonal block.
-  MapOf<Eigen::Dynamic> diagonal() const {
-    assert(!data_ || structure_ == Structure::diagonal);
-    return MapOf<Eigen::Dynamic>(data_, rows_);
-  }
-  template <int Rows>
+  template <int Rows = dynamic>
   MapOf<Rows> diagonal() const {
-    assert(data_ && structure_ == Structure::diagonal && rows_ == Rows);
-    return MapOf<Rows>(data_);
+    assert(!data_ || structure_ == Structure::diagonal);
+    assert(Rows == dynamic || (data_ && rows_ == Rows));
+    return MapOf<Rows>(data_, rows_);
   }
-  void set_zero() const noexcept { std::fill_n(data_, size(), 0.0); }
+  void set_zero() const noexcept {
+    for (int i = 0; i < size(); ++i) data_[i] = 0.0;
+  }
   void set_identity() const noexcept {
     set_zero();
     const int step = structure_ == Structure::diagonal ? 1 : rows_ + 1;
-    for (int i = 0; i < std::min(rows_, cols_); ++i) data_[i * step] = 1.0;
+    for (int i = 0; i < rows_ && i < cols_; ++i) data_[i * step] = 1.0;
   }
 
  private:
@@ -193,7 +177,7 @@ struct InputSample {
   bool is_fragment() const noexcept { return t0 != whole_t0 || t1 != whole_t1; }
   double operator[](Field field) const noexcept { return fields[field.index()]; }
   template <int N>
-  Eigen::Matrix<double, N, 1> operator[](const Several<Field, N>& several) const noexcept {
+  VectorOf<N> operator[](const Several<Field, N>& several) const noexcept {
     return several.of(*this);
   }
 };

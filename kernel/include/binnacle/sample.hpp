@@ -2,9 +2,6 @@
 // Channels and samples: the only wire between components.
 #pragma once
 
-#include <Eigen/Core>
-
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <limits>
@@ -88,7 +85,7 @@ struct SampleView {
     return fields[field.index()];
   }
   template <int N>
-  Eigen::Matrix<double, N, 1> operator[](const Several<Field, N>& several) const noexcept {
+  VectorOf<N> operator[](const Several<Field, N>& several) const noexcept {
     return several.of(*this);
   }
   double operator()(int row, RowField field) const noexcept {
@@ -142,7 +139,7 @@ struct SampleWriter {
     rows = 0;
     has_covariance = false;
     const auto forget = [](double* numbers, int count) {
-      std::fill_n(numbers, count, std::numeric_limits<double>::quiet_NaN());
+      for (int i = 0; i < count; ++i) numbers[i] = std::numeric_limits<double>::quiet_NaN();
     };
     forget(fields, field_count);
     forget(row_fields, max_rows * row_width);

@@ -12,7 +12,6 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/noise_estimator.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/trust.hpp"

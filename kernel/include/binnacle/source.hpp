@@ -9,6 +9,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/state_bytes.hpp"
 

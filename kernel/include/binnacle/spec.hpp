@@ -3,9 +3,7 @@
 // into a JSON Schema by the kernel from this one description.
 #pragma once
 
-#include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/eigen.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
 

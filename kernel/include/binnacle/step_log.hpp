@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "binnacle/noise_estimator.hpp"
+#include "binnacle/result.hpp"
 #include "binnacle/time.hpp"
 #include "binnacle/view.hpp"
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How numbers cross the library boundary: pointers into kernel memory with their sizes, seen through unaligned Eigen
-// maps.
+// maps by those who include binnacle/eigen.hpp.
 #pragma once
-
-#include <Eigen/Core>
 
 #include <cassert>
 #include <concepts>
@@ -14,17 +12,19 @@ namespace binnacle {
 /// Memory handed out by the kernel is 8-byte aligned and no more: an Eigen built with another EIGEN_MAX_ALIGN_BYTES
 /// may read it. No owning Eigen object ever crosses. `Double` is double or const double.
 template <class Double, int Rows, int Cols>
-using MatrixOf = std::conditional_t<std::is_const_v<Double>, const Eigen::Matrix<double, Rows, Cols>,
-                                    Eigen::Matrix<double, Rows, Cols>>;
+struct EigenTypes;                  // of binnacle/eigen.hpp
+inline constexpr int dynamic = -1;  ///< a size that is known at run time only: Eigen::Dynamic
 template <class Double, int Rows, int Cols = 1>
-using MapAs = Eigen::Map<MatrixOf<Double, Rows, Cols>, Eigen::Unaligned>;  ///< packed, column-major
+using MapAs = typename EigenTypes<Double, Rows, Cols>::Map;  ///< packed, column-major
 template <int Rows, int Cols = 1>
 using MapOf = MapAs<double, Rows, Cols>;  ///< that may be written
 template <int Rows, int Cols = 1>
 using ConstMapOf = MapAs<const double, Rows, Cols>;  ///< that may only be read
 /// A block inside a taller column-major matrix: `stride` doubles from one column to the next.
 template <class Double, int Rows, int Cols>
-using StridedMapAs = Eigen::Map<MatrixOf<Double, Rows, Cols>, Eigen::Unaligned, Eigen::OuterStride<>>;
+using StridedMapAs = typename EigenTypes<Double, Rows, Cols>::StridedMap;
+template <int Rows>
+using VectorOf = typename EigenTypes<double, Rows, 1>::Matrix;  ///< that owns its numbers
 
 /// `Rows` doubles at p as a column vector.
 template <int Rows, class Double>
@@ -32,7 +32,7 @@ MapAs<Double, Rows> vector_at(Double* p) {
   return MapAs<Double, Rows>(p);
 }
 template <class Double>
-MapAs<Double, Eigen::Dynamic> vector_at(Double* p, int rows) {
+MapAs<Double, dynamic> vector_at(Double* p, int rows) {
   return {p, rows};
 }
 
@@ -42,7 +42,7 @@ MapAs<Double, Rows, Cols> matrix_at(Double* p) {
   return MapAs<Double, Rows, Cols>(p);
 }
 template <class Double>
-MapAs<Double, Eigen::Dynamic, Eigen::Dynamic> matrix_at(Double* p, int rows, int cols) {
+MapAs<Double, dynamic, dynamic> matrix_at(Double* p, int rows, int cols) {
   return {p, rows, cols};
 }
 
@@ -82,12 +82,11 @@ class VectorViewOf {
     return data_[i];
   }
   /// All of it: `x.as<3>()`, or `x.as()` where the size is known at run time only.
-  template <int Rows>
+  template <int Rows = dynamic>
   MapAs<Double, Rows> as() const {
-    assert(data_ && size_ == Rows);
-    return MapAs<Double, Rows>(data_);
+    assert(Rows == dynamic || (data_ && size_ == Rows));
+    return MapAs<Double, Rows>(data_, size_);
   }
-  MapAs<Double, Eigen::Dynamic> as() const { return {data_, size_}; }
   VectorViewOf segment(int first, int count) const noexcept {
     assert(data_ && first >= 0 && count >= 0 && first + count <= size_);
     return {data_ + first, count};
@@ -118,13 +117,10 @@ struct MatrixViewOf {
   }
 
   /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
-  template <int Rows, int Cols>
+  template <int Rows = dynamic, int Cols = dynamic>
   StridedMapAs<Double, Rows, Cols> as() const {
-    assert(data && rows == Rows && cols == Cols);
-    return {data, rows, cols, Eigen::OuterStride<>(stride)};
-  }
-  StridedMapAs<Double, Eigen::Dynamic, Eigen::Dynamic> as() const {
-    return {data, rows, cols, Eigen::OuterStride<>(stride)};
+    assert(Rows == dynamic || (data && rows == Rows && cols == Cols));
+    return {data, rows, cols, typename EigenTypes<Double, Rows, Cols>::Stride(stride)};
   }
   /// The part that begins at (row, col).
   MatrixViewOf block(int row, int col, int row_count, int col_count) const noexcept {

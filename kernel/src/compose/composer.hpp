@@ -12,6 +12,7 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "compose/composition_plan.hpp"
 #include "spec/check.hpp"

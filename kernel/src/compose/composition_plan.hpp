@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/index.hpp"
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"

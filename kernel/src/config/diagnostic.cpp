@@ -6,7 +6,6 @@
 #include <cctype>
 #include <iterator>
 #include <tuple>
-#include <utility>
 
 namespace binnacle {
 

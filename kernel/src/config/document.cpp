@@ -3,12 +3,10 @@
 #include "config/document.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
 #include "base/hash.hpp"
 #include "base/text.hpp"
-#include "binnacle/section.hpp"
 #include "config/node.hpp"
 
 namespace binnacle::internal::config {

@@ -3,7 +3,6 @@
 #include "config/node.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace binnacle {
 

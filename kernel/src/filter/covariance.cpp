@@ -2,11 +2,6 @@
 // Arithmetic on P. Only the lower triangle is computed, then mirrored.
 #include "filter/covariance.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-
 #include "base/index.hpp"
 
 namespace binnacle::internal::filter {

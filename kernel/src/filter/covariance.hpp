@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/aligned.hpp"
+#include "binnacle/eigen.hpp"
 #include "filter/covariance_form.hpp"
 
 namespace binnacle::internal::filter {

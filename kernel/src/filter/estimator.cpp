@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "filter/estimator.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 namespace binnacle::internal::filter {
 

@@ -9,7 +9,6 @@
 // δ is kept as P v, v = H̃ᵀ w, w = S⁻¹ r̃: then δᵀ P⁻¹ δ = vᵀ δ, and P may be singular. v has elements for what the measurement
 // sees alone.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/plugin_call.hpp"
 #include "binnacle/state_bytes.hpp"

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "base/index.hpp"
 #include "binnacle/derived_block.hpp"
 #include "binnacle/measurement_model.hpp"
+#include "binnacle/noise_estimator.hpp"
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"

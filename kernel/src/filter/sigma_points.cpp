@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/index.hpp"
+#include "binnacle/eigen.hpp"
 
 namespace binnacle::internal::filter {
 

@@ -2,7 +2,6 @@
 #include "filter/time_line.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "filter/model_calls.hpp"

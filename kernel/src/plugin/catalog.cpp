@@ -8,7 +8,6 @@
 #include <sstream>
 #include <system_error>
 #include <tuple>
-#include <utility>
 
 #define BOOST_DLL_USE_STD_FS
 #include <boost/dll/runtime_symbol_info.hpp>

@@ -2,8 +2,6 @@
 // Who may change a library, and whether it was built here.
 #include <unistd.h>
 
-#include <cinttypes>
-#include <cstdint>
 #include <cstdio>
 #include <fstream>
 

@@ -2,7 +2,6 @@
 #include "run/checkpoint.hpp"
 
 #include <array>
-#include <bit>
 #include <cstring>
 #include <fstream>
 #include <string>

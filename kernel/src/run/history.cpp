@@ -2,7 +2,6 @@
 #include "run/history.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "filter/intact.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Live sources: samples are worked on as they come, and nobody waits for a source that has none.
 #include <algorithm>
-#include <cerrno>
 #include <limits>
 
 #include <poll.h>

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/runtime.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <limits>
-#include <utility>
 
 #include "base/hash.hpp"
 #include "filter/intact.hpp"

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/run.hpp"
 #include "binnacle/state_bytes.hpp"

@@ -2,7 +2,6 @@
 #include "interrupt.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <thread>
 

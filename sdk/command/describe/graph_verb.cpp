@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // graph: the composition as DOT, or through Graphviz as SVG; the sparsity of Φ, Qd and H as SVG.
 #include <cstdio>
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <sys/wait.h>

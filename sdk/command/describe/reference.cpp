@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference.hpp"
 
-#include <algorithm>
 #include <cctype>
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 #include "inspect_sources.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <set>

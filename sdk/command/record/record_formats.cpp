@@ -2,7 +2,6 @@
 #include "record_formats.hpp"
 
 #include <string_view>
-#include <vector>
 
 #include "output.hpp"
 #include "wording/wording.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_file.hpp"
 
-#include <string>
-
 #include "atomic_file.hpp"
 #include "report/page.hpp"
 #include "results_folder.hpp"

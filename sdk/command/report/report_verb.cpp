@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // report: what a run or a study left in a folder, as one HTML page; what several runs left, on one page.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "binnacle/state_block.hpp"
 #include "score/run.hpp"
 #include "table.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study_results.hpp"
 
-#include <cmath>
-
 #include "provenance.hpp"
 
 namespace binnacle::command {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // study: variants of a config, many runs of each, and the tables made of them.
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <system_error>

@@ -2,7 +2,6 @@
 // Collector: what a run records, kept in memory as results::RunWriter keeps it in run.nc.
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>

@@ -8,6 +8,7 @@
 
 #include <pybind11/stl.h>
 
+#include "binnacle/catalog.hpp"
 #include "document/document.hpp"
 #include "errors.hpp"
 #include "explain_text.hpp"

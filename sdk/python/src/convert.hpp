@@ -2,8 +2,6 @@
 // What crosses between C++ and Python: JSON, and arrays of numbers that are moved and not copied.
 #pragma once
 
-#include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 

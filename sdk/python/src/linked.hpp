@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/config.hpp"
 
 namespace binnacle::python {

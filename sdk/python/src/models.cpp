@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <map>
 #include <stdexcept>
-#include <utility>
 
 #include <pybind11/stl.h>
 
+#include "binnacle/catalog.hpp"
 #include "linked.hpp"
 #include "models_adapters.hpp"
 #include "models_manifolds.hpp"

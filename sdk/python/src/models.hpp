@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
 #include "binnacle/registry.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "binnacle/parameters.hpp"

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 #include "models.hpp"
 

@@ -2,7 +2,6 @@
 #include "observers.hpp"
 
 #include <memory>
-#include <utility>
 
 #include <pybind11/stl.h>
 

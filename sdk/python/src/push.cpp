@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples into sessions, one by one and many at once.
-#include <algorithm>
 #include <optional>
-#include <span>
-#include <utility>
 
 #include "fastcall.hpp"
 #include "interrupt.hpp"

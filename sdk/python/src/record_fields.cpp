@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record_fields.hpp"
+#include "binnacle/state_block.hpp"
 
 #include <utility>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "results.hpp"
+#include "binnacle/state_block.hpp"
 
-#include <cmath>
 #include <cstdint>
-#include <optional>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run.hpp"
 
-#include <cstdint>
-#include <memory>
-#include <optional>
 #include <utility>
 
 #include <pybind11/stl.h>

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 
 #include <pybind11/stl.h>
 
+#include "binnacle/state_block.hpp"
 #include "errors.hpp"
 #include "fastcall.hpp"
 #include "loaded.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "algebra/decompositions.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>

@@ -2,7 +2,6 @@
 #include "civil_time/utc_clock.hpp"
 
 #include <array>
-#include <string>
 
 #include "civil_time/iso8601.hpp"
 

@@ -2,17 +2,13 @@
 // A process model that navigates by an inertial sensor, whatever its error model.
 #include "inertial/inertial_process.hpp"
 
-#include <array>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "attitude/choice.hpp"
 #include "binnacle/view.hpp"
 #include "inertial/sample_group.hpp"
-#include "inertial/sample_memory.hpp"
-#include "strapdown/mechanization.hpp"
 
 namespace binnacle::inertial {
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "binnacle/eigen.hpp"
 #include "random/normal.hpp"
 #include "simulation/fields.hpp"
 

@@ -3,7 +3,6 @@
 #include "strapdown/rotation.hpp"
 
 #include <array>
-#include <cmath>
 
 #include <Eigen/Geometry>
 

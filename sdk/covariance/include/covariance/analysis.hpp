@@ -4,10 +4,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 
 namespace binnacle::document {

@@ -2,7 +2,6 @@
 // Several runs compared: what differs, as JSON, and one page on which they are overlaid.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 

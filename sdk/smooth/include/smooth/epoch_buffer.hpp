@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/eigen.hpp"
 #include "smooth/stretch.hpp"
 
 namespace binnacle::smooth {

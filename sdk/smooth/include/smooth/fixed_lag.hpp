@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "smooth/co_states.hpp"
 #include "smooth/epoch_buffer.hpp"
 #include "smooth/stretch.hpp"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "smooth/co_states.hpp"
 #include "smooth/path.hpp"
 #include "smooth/stretch.hpp"

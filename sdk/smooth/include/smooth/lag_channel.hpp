@@ -3,6 +3,7 @@
 #pragma once
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "smooth/epoch_buffer.hpp"
 #include "smooth/fixed_lag.hpp"
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/time.hpp"
 #include "smooth/co_states.hpp"

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/composition.hpp"
 
 namespace binnacle::parts {

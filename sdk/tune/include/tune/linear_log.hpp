@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "binnacle/noise_estimator.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle::tune {

@@ -2,7 +2,6 @@
 // Calls of blocks outside a filter's own run: when it is scored, smoothed, and in a covariance analysis.
 #pragma once
 
-#include <exception>
 #include <string>
 
 #include "binnacle/composition.hpp"

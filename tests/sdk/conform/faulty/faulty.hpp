@@ -5,6 +5,7 @@
 // registers the type of that name, or those of `// types: …`.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>

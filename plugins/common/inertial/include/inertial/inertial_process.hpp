@@ -3,8 +3,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <string>
 #include <vector>
 
 #include "attitude/algorithm.hpp"

@@ -2,10 +2,8 @@
 // Bytes of a live source as they come, and what is reported of them and of where they come from.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "binnacle/parameters.hpp"

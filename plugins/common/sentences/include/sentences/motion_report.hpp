@@ -5,7 +5,6 @@
 #include <array>
 #include <limits>
 #include <string>
-#include <string_view>
 
 #include "sentences/sentence_writer.hpp"
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"
 

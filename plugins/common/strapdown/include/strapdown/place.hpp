@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "binnacle/eigen.hpp"
 #include "binnacle/view.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/local_axes.hpp"
