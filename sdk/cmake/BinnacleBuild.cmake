@@ -80,9 +80,19 @@ function(binnacle_precompile target)
   binnacle_keep_precompiled(${target})
 endfunction()
 
-# binnacle_reuse_precompiled(TARGET FROM): TARGET is compiled behind the precompiled header of FROM. Both have the same
-# processor and language options; levels of optimization from -O1 to -O3 may differ.
+# binnacle_cold(TARGET): nothing in TARGET runs once a sample. -Os takes a quarter of the compile time of -O1 away.
+function(binnacle_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Os>)
+  set_target_properties(${target} PROPERTIES BINNACLE_COLD ON)
+endfunction()
+
+# binnacle_reuse_precompiled(TARGET FROM [COLD]): TARGET is compiled behind the precompiled header of FROM, or of COLD where
+# TARGET is cold. Both have the same processor and language options; levels of optimization from -O1 to -O3 may differ.
 function(binnacle_reuse_precompiled target from)
+  get_target_property(cold ${target} BINNACLE_COLD)
+  if(cold AND ARGC GREATER 2)
+    set(from ${ARGV2})
+  endif()
   get_target_property(type ${target} TYPE)
   get_target_property(own ${target} PRECOMPILE_HEADERS)
   if(own OR NOT type MATCHES "STATIC|SHARED|OBJECT|MODULE|EXECUTABLE")

@@ -182,6 +182,8 @@ Complaints check_covariance(const Eigen::MatrixXd& R) {
   const double largest = R.cwiseAbs().maxCoeff();
   if (!((R - R.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * largest)) out.add("R is not symmetric:\n", R);
   const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(R).eigenvalues().minCoeff();
+  if (!(R.diagonal().minCoeff() > 0))
+    out.add("R has a 0 on its diagonal: R is 0 on entry, and the model writes each row's variance");
   if (!(least >= -1e-12 * largest)) out.add("R is not positive semidefinite: it has the eigenvalue ", least);
   return out;
 }

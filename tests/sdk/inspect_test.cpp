@@ -50,7 +50,7 @@ json proposed(const Workbench& bench, const std::string& file) {
   for (int i = 0; i < 2000; ++i)
     imu += fmt::format("{:.2f},{:.6f},0.001,0.002,0.01,{:.5f},9.81\n", 0.01 * i, 1e-3 * std::sin(i), 0.1 * std::cos(i));
   bench.write("imu.csv", imu);
-  const auto outcome = inspect(bench, {"imu.csv", file, "--write", "proposed.json"});
+  const auto outcome = inspect(bench, {"imu.csv", file, "--write", "proposed.json", "--force"});
   INFO(outcome.err);
   REQUIRE(outcome.status == 0);
   CHECK(binnacle::test::binnacle(bench, {"check", "proposed.json"}).err.empty());
@@ -86,6 +86,23 @@ TEST_CASE(
   CHECK_FALSE(has(outcome.out, "velocity_held"));
   REQUIRE(inspect(bench, {"drive.json", "--write", "extended.json"}).status == 0);
   CHECK(binnacle::test::binnacle(bench, {"check", "extended.json"}).status == 0);
+}
+
+TEST_CASE("inspect: a proposed config that was edited is not replaced, unless --force is given") {
+  const Workbench bench;
+  bench.write("drive.json", R"({"binnacle": 1, "sources": {"drive": {"type": "vehicle_simulator",
+    "start": {"lat": "48 deg", "lon": "11 deg", "height": "500 m"},
+    "segments": [{"do": "straight", "duration": "5 s"}]}}, "filters": {}})");
+  REQUIRE(inspect(bench, {"drive.json", "--write", "my.json"}).status == 0);
+  const std::string proposal = read_file(bench.path("my.json"));
+  REQUIRE(inspect(bench, {"drive.json", "--write", "my.json"}).status == 0);  // the same text
+  bench.write("my.json", proposal + " ");
+  const auto refused = inspect(bench, {"drive.json", "--write", "my.json"});
+  CHECK(refused.status == 2);
+  CHECK(has(refused.err, "'my.json' exists already and differs from the proposal"));
+  CHECK(read_file(bench.path("my.json")) == proposal + " ");
+  REQUIRE(inspect(bench, {"drive.json", "--write", "my.json", "--force"}).status == 0);
+  CHECK(read_file(bench.path("my.json")) == proposal);
 }
 
 TEST_CASE("inspect: a config's units may be quantities") {
@@ -202,7 +219,7 @@ TEST_CASE("inspect: what a file lacks for a filter is named") {
   std::string imu = "t_s,gx,gy,gz,ax,ay,az\n";
   for (int i = 0; i < 100; ++i) imu += fmt::format("{:.2f},0.{},0.1,0.2,0,0,9.8\n", 0.01 * i, i);
   bench.write("imu.csv", imu);
-  const auto outcome = inspect(bench, {"gnss.csv", "imu.csv", "--write", "x.json"});
+  const auto outcome = inspect(bench, {"gnss.csv", "imu.csv", "--write", "x.json", "--force"});
   CHECK(outcome.status == 1);
   CHECK(has(outcome.err, "no channel has lat lon height vn ve vd; 'gnss' lacks vn ve vd"));
 }

@@ -49,7 +49,11 @@ TEST_CASE("new plugin writes a folder for each kind, with the name wherever it b
 
 TEST_CASE("new plugin is of kind process in this folder by default, and prints what it wrote") {
   const Workbench bench;
-  REQUIRE(binnacle::test::binnacle(bench, {"new", "plugin", "my_walk"}).status == 0);
+  const auto here = binnacle::test::binnacle(bench, {"new", "plugin", "my_walk"});
+  REQUIRE(here.status == 0);
+  // From a build tree, which is no installation.
+  CHECK(here.out.find("cmake --install ") != std::string::npos);
+  CHECK(here.out.find("cmake -B build -DCMAKE_PREFIX_PATH=PREFIX ") != std::string::npos);
   CHECK(read_file(bench.path("my_walk/plugin.cpp")).find("public ProcessModel") != std::string::npos);
 
   fs::create_directory(bench.path("there"));
@@ -70,8 +74,10 @@ TEST_CASE("new plugin refuses what could not be built, loaded or told apart") {
              "'../my_walk' is not a name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
   is_refused(bench, {"new", "plugin", std::string(49, 'a')}, "the name has 49 characters; 48 are possible");
   is_refused(bench, {"new", "plugin", "test"}, "'test' is the name of one of CMake's own targets; choose another");
-  is_refused(bench, {"new", "plugin", "core"}, "there is a plugin 'core' already; choose another name");
-  is_refused(bench, {"new", "plugin", "vector"}, "there is a component 'core/vector' already; choose another name");
+  is_refused(bench, {"new", "plugin", "core"},
+             "there is a plugin 'core' already; choose another name, such as 'my_core'");
+  is_refused(bench, {"new", "plugin", "vector"},
+             "there is a component 'core/vector' already; choose another name, such as 'my_vector'");
   is_refused(bench, {"new", "plugin", "my_walk", "--dir", "nowhere"}, "there is no folder 'nowhere'");
   is_refused(bench, {"new", "plugin", "my_walk", "--kind", "proces"},
              "there is no kind 'proces'; did you mean 'process'? (kinds: block, process, measurement, noise, derived, "

@@ -12,13 +12,15 @@ namespace binnacle {
 
 static_assert(dynamic == Eigen::Dynamic);
 
+/// Eigen's types of a Rows×Cols matrix, column-major; a Double that is const makes them const.
 template <class Double, int Rows, int Cols>
 struct EigenTypes {
+  /// Owns its numbers.
   using Matrix = std::conditional_t<std::is_const_v<Double>, const Eigen::Matrix<double, Rows, Cols>,
                                     Eigen::Matrix<double, Rows, Cols>>;
-  using Map = Eigen::Map<Matrix, Eigen::Unaligned>;
-  using StridedMap = Eigen::Map<Matrix, Eigen::Unaligned, Eigen::OuterStride<>>;
-  using Stride = Eigen::OuterStride<>;
+  using Map = Eigen::Map<Matrix, Eigen::Unaligned>;                               ///< packed
+  using StridedMap = Eigen::Map<Matrix, Eigen::Unaligned, Eigen::OuterStride<>>;  ///< a block of a taller matrix
+  using Stride = Eigen::OuterStride<>;                                            ///< of a StridedMap
 };
 
 }  // namespace binnacle

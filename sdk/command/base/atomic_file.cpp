@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include <fcntl.h>
@@ -53,6 +55,12 @@ void remove_abandoned(const std::filesystem::path& folder, const std::string& pr
 }
 
 }  // namespace
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UsageError(fmt::format("'{}' cannot be read", path.string()));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 std::string could_not_write(const std::filesystem::path& file, const std::string& why) {
   std::string remedy;

@@ -11,6 +11,9 @@
 
 namespace binnacle::command {
 
+/// Of a file. UsageError where it cannot be read.
+std::string contents(const std::filesystem::path& file);
+
 /// "'FILE' could not be written: WHY; what to do".
 std::string could_not_write(const std::filesystem::path& file, const std::string& why);
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "atomic_file.hpp"
 #include "installation.hpp"
 #include "output.hpp"
 #include "table.hpp"
@@ -158,11 +159,5 @@ Example example(const std::string& name_or_path) {
 }
 
 std::vector<fs::path> companions(const Example& example) { return Companions(example).found(); }
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UsageError(fmt::format("'{}' cannot be read", path.string()));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 }  // namespace binnacle::command

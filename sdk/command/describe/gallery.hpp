@@ -27,7 +27,4 @@ Example example(const std::string& name_or_path);
 /// which a copy elsewhere would look for in vain.
 std::vector<std::filesystem::path> companions(const Example& example);
 
-/// UsageError where it cannot be read.
-std::string contents(const std::filesystem::path& file);
-
 }  // namespace binnacle::command

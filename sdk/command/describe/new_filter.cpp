@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "atomic_file.hpp"
 #include "gallery.hpp"
 #include "new_files.hpp"
 #include "output.hpp"

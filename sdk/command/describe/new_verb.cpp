@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "atomic_file.hpp"
 #include "gallery.hpp"
 #include "installation.hpp"
 #include "new_filter.hpp"
@@ -87,10 +88,12 @@ void check_name(const std::string& name) {
   int status = ok;
   const Catalog catalog = load_catalog(status);
   for (const auto& plugin : catalog.plugins())
-    if (plugin.name == name) throw UsageError(fmt::format("there is a plugin '{}' already; choose another name", name));
+    if (plugin.name == name)
+      throw UsageError(fmt::format("there is a plugin '{0}' already; choose another name, such as 'my_{0}'", name));
   for (const auto* type : catalog.types())
     if (type->spec.type == name)
-      throw UsageError(fmt::format("there is a component '{}' already; choose another name", type->full_name()));
+      throw UsageError(fmt::format("there is a component '{}' already; choose another name, such as 'my_{}'",
+                                   type->full_name(), name));
 }
 
 /// With the plugin's name, and without our licence line: what is made of it is its author's.
@@ -157,9 +160,12 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
+/// A plugin builds with an installation, for which this is not the place.
+bool is_build_tree() { return fs::exists(prefix() / "CMakeCache.txt"); }
+
 /// How CMake finds Binnacle; nothing where it looks by itself.
 std::string prefix_option() {
-  const std::string place = prefix().string();
+  const std::string place = is_build_tree() ? "PREFIX" : prefix().string();
   if (place == "/usr" || place == "/usr/local") return "";
   const bool is_plain = place.find_first_of(" '\"$&;()") == std::string::npos;
   const std::string option = "-DCMAKE_PREFIX_PATH=" + place;
@@ -185,10 +191,12 @@ int make_plugin(const NewVerbOptions& options) {
     print_json({{"folder", target.string()}, {"kind", options.kind}, {"files", folder.files()}});
     return ok;
   }
+  const std::string first =
+      is_build_tree() ? fmt::format("  cmake --install {} --prefix PREFIX\n", prefix().string()) : "";
   print(
-      fmt::format("{}: {}\n\n  cd {}\n  cmake -B build{} && cmake --build build\n  ctest --test-dir build\n"
+      fmt::format("{}: {}\n\n{}  cd {}\n  cmake -B build{} && cmake --build build\n  ctest --test-dir build\n"
                   "  binnacle run config.json\n",
-                  target.string(), joined(folder.files()), target.string(), prefix_option()));
+                  target.string(), joined(folder.files()), first, target.string(), prefix_option()));
   return ok;
 }
 

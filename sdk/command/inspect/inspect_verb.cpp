@@ -21,13 +21,21 @@ struct InspectVerbOptions {
   std::vector<std::string> files;
   ConfigOptions config;
   std::string page, proposal;
-  bool json = false, strict = false;
+  bool json = false, strict = false, force = false;
 };
 
 void write_whole(const std::string& path, const std::string& text) {
   AtomicFile file(path);
   file.write(text);
   file.commit();
+}
+
+/// An edited config is not lost: only what the proposal equals is replaced, unless --force is given.
+void write_proposal(const InspectVerbOptions& options, const std::string& text) {
+  if (!options.force && std::filesystem::is_regular_file(options.proposal) && contents(options.proposal) != text)
+    throw UsageError("'" + options.proposal +
+                     "' exists already and differs from the proposal; it was left as it is (--force replaces it)");
+  write_whole(options.proposal, text);
 }
 
 int inspect_files(const InspectVerbOptions& options) {
@@ -51,7 +59,7 @@ int inspect_files(const InspectVerbOptions& options) {
       print_error("no config can be proposed: " + proposal.reason);
       status = failed;
     } else {
-      write_whole(options.proposal, proposal.config.dump(2) + "\n");
+      write_proposal(options, proposal.config.dump(2) + "\n");
       for (const auto& note : proposal.notes) proposed += "  " + note + "\n";
     }
   }
@@ -73,6 +81,7 @@ Verb inspect_verb(CLI::App& command) {
   app->add_option("--write", options->proposal,
                   "Write a config with the remedies applied, and the lever arm if turning shows it")
       ->type_name("FILE.json");
+  app->add_flag("--force", options->force, "Let --write replace a file that differs from the proposal");
   app->add_flag("--strict", options->strict, "Exit with status 1 if there is a warning");
   app->add_flag("--json", options->json, "Print the findings as JSON on stdout");
   return {app, [options] { return inspect_files(*options); }};
