@@ -97,7 +97,7 @@ def blamed(copy, mutants, errors):
         for line in block.splitlines():
             if " error: " in line:
                 ids |= of(line) or of(block)
-    return ids or of(errors)
+    return ids or (of(errors) if " error: " in errors else set())  # a build that was interrupted has warnings alone
 
 
 def compiled(job):
