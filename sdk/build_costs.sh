@@ -16,7 +16,8 @@ HEAD
 awk -F '\t' '
   function mean_of(path) { return int(sum[path] / count[path] / 100 + 0.5) }
   function positive(cost) { return cost < 1 ? 1 : cost }
-  NF == 5 && $4 ~ /[.](o|gch|a|so|so[.][0-9.]+)$|^bin\// { cost[$4 ~ /[.](o|gch)$/ ? $4 : "link/" $4] = $2 - $1 }
+  # An absolute path is that of this machine, of a command of our own, which weighs what others do.
+  NF == 5 && $4 !~ /^\// && $4 ~ /[.](o|gch|a|so|so[.][0-9.]+)$|^bin\// { cost[$4 ~ /[.](o|gch)$/ ? $4 : "link/" $4] = $2 - $1 }
   END {
     for (step in cost) {
       path = step

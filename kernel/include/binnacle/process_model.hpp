@@ -32,7 +32,7 @@ class BlockView {
   template <int Rows = dynamic, int Cols = dynamic>
   MapOf<Rows, Cols> as() const {
     assert(!data_ || structure_ == Structure::dense);
-    assert(Rows == dynamic || (data_ && rows_ == Rows && cols_ == Cols));
+    assert((Rows == dynamic || (data_ && rows_ == Rows)) && (Cols == dynamic || (data_ && cols_ == Cols)));
     return {data_, rows_, cols_};
   }
   /// The diagonal of a diagonal block.

@@ -21,7 +21,7 @@ struct Result {
   constexpr explicit operator bool() const noexcept { return refusal == Refusal::none; }
 };
 
-/// What became of a sample of a measurement.
+/// The outcome of a sample of a measurement.
 enum class Outcome { accepted, gated, late, unsupported, invalid, withheld, rejected };
 inline constexpr int outcome_count = 7;
 

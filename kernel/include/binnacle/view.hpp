@@ -119,7 +119,7 @@ struct MatrixViewOf {
   /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
   template <int Rows = dynamic, int Cols = dynamic>
   StridedMapAs<Double, Rows, Cols> as() const {
-    assert(Rows == dynamic || (data && rows == Rows && cols == Cols));
+    assert((Rows == dynamic || (data && rows == Rows)) && (Cols == dynamic || (data && cols == Cols)));
     return {data, rows, cols, typename EigenTypes<Double, Rows, Cols>::Stride(stride)};
   }
   /// The part that begins at (row, col).

@@ -11,7 +11,7 @@
 
 namespace binnacle::command {
 
-/// Of a file. UsageError where it cannot be read.
+/// All bytes of a file. UsageError where it cannot be read.
 std::string contents(const std::filesystem::path& file);
 
 /// "'FILE' could not be written: WHY; what to do".
