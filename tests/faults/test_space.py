@@ -100,7 +100,7 @@ def recorded(binnacle, write, tmp_path):
     ["run", "c.json", "--quiet", "--summary"],
     ["study", "s.json", "--quiet", "--summary"],
     ["inspect", "x.csv", "--page"],
-    ["inspect", "c.json", "--write"],
+    ["inspect", "c.json", "--force", "--write"],
     ["report", "out", "--output"],
     ["report", "out", "out", "--output"],
     ["export", "out", "--to", "csv", "-o"],
