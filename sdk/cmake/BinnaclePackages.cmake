@@ -44,10 +44,9 @@ file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/package/shlibs"
   CONTENT "libbinnacle_c ${c_version} binnacle (>= ${PROJECT_VERSION})\n")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/package/shlibs" "${CMAKE_CURRENT_LIST_DIR}/debian/triggers")
 # NetCDF is loaded by name, when results are written or read: --out. With what it needs it is larger than all else together
-# (57 MB on Debian 12), so who only runs filters may leave it out. Python runs configs/benchmarks/run alone.
+# (57 MB on Debian 12), so it is suggested; the first --out names it. Python runs configs/benchmarks/run alone.
 get_property(netcdf_package GLOBAL PROPERTY BINNACLE_NETCDF_PACKAGE)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${netcdf_package}")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "graphviz, python3, binnacle-dev, python3-binnacle")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "${netcdf_package}, graphviz, python3, binnacle-dev, python3-binnacle")
 
 set(CPACK_DEBIAN_DEV_DESCRIPTION "error-state Kalman filters for INS/GNSS - development files
 ${what_it_is}This package has the headers, libraries and CMake package for plugins, and for

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "binnacle/run.hpp"
 #include "smooth/rows.hpp"
@@ -13,6 +14,13 @@ namespace binnacle::smooth {
 using namespace wording;
 
 namespace {
+
+template <class Each>
+struct EachInstant final : RunObserver {
+  explicit EachInstant(Each call) : each(std::move(call)) {}
+  void after_instant() override { each(); }
+  Each each;
+};
 
 /// Why a filter cannot be linearized about a path of its own; empty: it can.
 std::string why_not_iterated(const FilterInfo& filter) {
@@ -135,7 +143,8 @@ void IntervalSmoother::run_again(const std::vector<std::pair<FilterId, StepObser
   std::vector<std::byte> end(session_.snapshot_size());
   session_.snapshot(end);
   for (const auto& [filter, observer] : observers) session_.attach(filter, observer);
-  rerun(session_, snapshots_.front().bytes, std::numeric_limits<std::int64_t>::max(), [] {});
+  RunObserver none;
+  rerun(session_, snapshots_.front().bytes, std::numeric_limits<std::int64_t>::max(), none);
   for (const auto& [filter, observer] : observers) session_.attach(filter, nullptr);
   session_.restore(end);
 }
@@ -149,9 +158,10 @@ void IntervalSmoother::sweep_back(const Backward& backward) {
     const Snapshot& from = snapshots_.back();
     for (SmoothedFilter* filter : backward.filters)
       if (filter->follows_) filter->path_filter_->restore(from.paths.at(filter));
-    rerun(session_, from.bytes, until - from.instant, [&] {
+    EachInstant observer([&] {
       for (SmoothedFilter* filter : backward.filters) backward.each(*filter);
     });
+    rerun(session_, from.bytes, until - from.instant, observer);
     for (SmoothedFilter* filter : backward.filters) backward.sweep(*filter);
     until = from.instant;
     if (snapshots_.size() == 1) break;
@@ -175,11 +185,12 @@ bool IntervalSmoother::iterate(const Backward& backward) {
   keep_paths();
   instants_ = 0;
   const std::vector<std::byte> start = snapshots_.front().bytes;
-  rerun(session_, start, std::numeric_limits<std::int64_t>::max(), [&] {
+  EachInstant observer([&] {
     const std::size_t count = snapshots_.size();
     after_instant();
     if (snapshots_.size() > count) keep_paths();
   });
+  rerun(session_, start, std::numeric_limits<std::int64_t>::max(), observer);
   for (SmoothedFilter* filter : filters) {
     session_.attach({filter->filter()}, nullptr);
     filter->end_forward();

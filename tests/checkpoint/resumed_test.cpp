@@ -107,13 +107,18 @@ Left run(const Case& from, Checkpoints checkpoints, std::uint64_t seed = 1) {
           seen.hash, seen.count, sink};
 }
 
+struct Kept final : Checkpoints::Keeper {
+  void keep(std::span<const std::byte> checkpoint) override { all.emplace_back(checkpoint.begin(), checkpoint.end()); }
+  std::vector<Bytes> all;
+};
+
 void goes_on(const Case& from, Time every, std::size_t at_least) {
   CAPTURE(from.config);
   const Left whole = run(from, {});
   REQUIRE(whole.count > 100);
-  std::vector<Bytes> kept;
-  const auto keep = [&](std::span<const std::byte> bytes) { kept.emplace_back(bytes.begin(), bytes.end()); };
-  CHECK(run(from, {.every = every, .keep = keep}) == whole);
+  Kept keeper;
+  const std::vector<Bytes>& kept = keeper.all;
+  CHECK(run(from, {.every = every, .keeper = &keeper}) == whole);
   REQUIRE(kept.size() >= at_least);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     CAPTURE(i, kept.size());
@@ -124,11 +129,10 @@ void goes_on(const Case& from, Time every, std::size_t at_least) {
     REQUIRE(resumed.sink == whole.sink);
   }
   // And again from a checkpoint of a run that was resumed.
-  std::vector<Bytes> later;
-  const auto keep_later = [&](std::span<const std::byte> bytes) { later.emplace_back(bytes.begin(), bytes.end()); };
-  run(from, {.every = every, .keep = keep_later, .from = kept[kept.size() / 2]});
-  REQUIRE(later.size() > 1);
-  CHECK(run(from, {.from = later[later.size() / 2]}) == whole);
+  Kept later;
+  run(from, {.every = every, .keeper = &later, .from = kept[kept.size() / 2]});
+  REQUIRE(later.all.size() > 1);
+  CHECK(run(from, {.from = later.all[later.all.size() / 2]}) == whole);
 }
 
 constexpr Time s = nanoseconds_per_second;
@@ -192,9 +196,9 @@ TEST_CASE("resumed: another recorded drive") {
 
 TEST_CASE("a checkpoint of something else, or a torn one, is refused with the reason") {
   const Case from{"quickstart"};
-  Bytes kept;
-  run(from,
-      {.every = 100 * s, .keep = [&](std::span<const std::byte> bytes) { kept.assign(bytes.begin(), bytes.end()); }});
+  Kept keeper;
+  run(from, {.every = 100 * s, .keeper = &keeper});
+  const Bytes& kept = keeper.all.back();
   const auto refusal = [&](const Case& other, const Bytes& bytes, std::uint64_t seed = 1) {
     try {
       run(other, {.from = bytes}, seed);

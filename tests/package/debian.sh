@@ -42,7 +42,7 @@ fi
 field() { dpkg-deb -f "$(deb "$1")" "$2"; }
 [ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
 field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
-[[ $(field binnacle Recommends) =~ (^|, )libnetcdf[0-9] ]] || fail "binnacle, which loads NetCDF, recommends $(field binnacle Recommends)"
+[[ $(field binnacle Suggests) =~ (^|, )libnetcdf[0-9] ]] || fail "binnacle, which loads NetCDF, suggests $(field binnacle Suggests)"
 # A small system installs it without those.
 [[ ! $(field binnacle Depends) =~ (^|, )(libnetcdf|libhdf5|libcurl|python) ]] || fail "binnacle depends on $(field binnacle Depends)"
 

@@ -43,7 +43,7 @@ size_kb() { du -sxk --exclude="$folder/packed" --exclude="$folder/var/lib/apt/li
 
 # ---- install and run
 
-install_deb() { do_in apt-get -q install -y --no-install-recommends "/packed/${files[0]##*/}"; }
+install_deb() { do_in apt-get -q install -y "/packed/${files[0]##*/}"; }
 install_tarball() {
   do_in tar -C /opt -xzf "/packed/${files[0]##*/}" && do_in mv "/opt/$(basename "${files[0]}" .tar.gz)" /opt/moved
 }
@@ -82,7 +82,7 @@ do_in man -P cat "${manual[@]}" binnacle-run || fail "man binnacle-run"
 grep -q 'binnacle run \[OPTION\]... CONFIG' "$log" || fail "man binnacle-run shows something else"
 
 if [ "$kind" = deb ]; then
-  # Without NetCDF the command names the package that is missing; with what is recommended it writes.
+  # Without NetCDF the command names the package that is missing; with it the command writes.
   ! do_in binnacle run "$quickstart" --out /opt/home/out || fail "results were written without NetCDF"
   package=$(sed -n 's/.*install the Debian package \([a-z0-9]*\).*/\1/p' "$log" | head -n 1)
   [ -n "$package" ] || fail "nothing names the package of NetCDF"

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,8 +29,10 @@ struct Arrival {
 class RecordedInput {
  public:
   virtual ~RecordedInput() = default;
-  /// Gives each arrival of the next instant, at most one a channel; false: there is no further one.
-  virtual bool next(const std::function<void(const Arrival& arrival)>& give) = 0;
+  /// Begins the next instant; false: there is no further one.
+  virtual bool next_instant() = 0;
+  /// The next arrival of that instant, at most one a channel, valid until the next call; null: there is no further one.
+  virtual const Arrival* next() = 0;
 };
 
 /// What a run that goes by the clock leaves of its own.
@@ -84,8 +85,12 @@ class RunObserver {
 /// What a run is at some instant, to go on from there later. A run that was resumed leaves what one leaves that was not
 /// stopped, to the last bit; live sources go on with what arrives next.
 struct Checkpoints {
-  Time every = 0;                                             // of the run's time, from one to the next
-  std::function<void(std::span<const std::byte>)> keep = {};  // the first comes before the first instant; empty: none
+  struct Keeper {
+    virtual ~Keeper() = default;
+    virtual void keep(std::span<const std::byte> checkpoint) = 0;
+  };
+  Time every = 0;            // of the run's time, from one to the next
+  Keeper* keeper = nullptr;  // the first comes before the first instant; null: none
   /// Taken in by run(): the run goes on there. Throws ConfigError (B084) with the reason where they are of another config,
   /// other data, plugins, options or kind of machine, or torn. Empty: the run begins at its beginning.
   std::span<const std::byte> from = {};
@@ -115,8 +120,8 @@ bool can_rerun(const Session& session);
 
 /// In RunObserver::finished(): takes the run back to a snapshot that was made in after_instant(), and from there over so
 /// many instants again, to its very end where they reach it. Channels that sections subscribe to are shown again;
-/// sinks, notes and after_instant() are left alone. `each` is called after every instant, and once more after the end.
-void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants, const std::function<void()>& each);
+/// sinks and notes are left alone. Of the observer only after_instant() is called, once more after the end.
+void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants, RunObserver& observer);
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of
 /// a composition and stay open. Several threads may run one composition at a time.

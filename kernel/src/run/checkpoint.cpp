@@ -58,12 +58,8 @@ struct Checkpointing::Head {
 
 Checkpointing::Checkpointing(Runtime& runtime, std::uint64_t composition, const RunOptions& options,
                              std::function<void(StateBytes& bytes)> exchange)
-    : runtime_(runtime),
-      composition_(composition),
-      options_(options),
-      exchange_(std::move(exchange)),
-      is_kept_(options.checkpoints.keep != nullptr) {
-  if (is_kept_ || !options.checkpoints.from.empty()) data_ = checksum_of_data(runtime.plan());
+    : runtime_(runtime), composition_(composition), options_(options), exchange_(std::move(exchange)) {
+  if (options.checkpoints.keeper || !options.checkpoints.from.empty()) data_ = checksum_of_data(runtime.plan());
 }
 
 Checkpointing::Head Checkpointing::head(std::uint64_t size) const {
@@ -80,7 +76,7 @@ Checkpointing::Head Checkpointing::head(std::uint64_t size) const {
 
 void Checkpointing::begin() {
   if (!options_.checkpoints.from.empty()) resume();
-  if (is_kept_) keep();
+  if (options_.checkpoints.keeper) keep();
 }
 
 void Checkpointing::exchange(StateBytes& bytes) {
@@ -92,9 +88,9 @@ void Checkpointing::exchange(StateBytes& bytes) {
 }
 
 void Checkpointing::keep() {
-  const Time t = runtime_.time();
-  if (t != no_time) next_ = next_ == no_time ? t + options_.checkpoints.every : next_;
-  if (t != no_time && next_ <= t) next_ += ((t - next_) / options_.checkpoints.every + 1) * options_.checkpoints.every;
+  const Time t = runtime_.time(), every = options_.checkpoints.every;
+  if (t != no_time && next_ == no_time) next_ = t;
+  if (t != no_time && next_ <= t) next_ += ((t - next_) / every + 1) * every;
   StateBytes count;
   exchange(count);
   bytes_.resize(sizeof(Head) + count.size());
@@ -104,7 +100,7 @@ void Checkpointing::keep() {
   Head head = this->head(payload.size());
   head.checksum = checksum_of(head, payload);
   std::memcpy(bytes_.data(), &head, sizeof head);
-  options_.checkpoints.keep(bytes_);
+  options_.checkpoints.keeper->keep(bytes_);
 }
 
 void Checkpointing::resume() {

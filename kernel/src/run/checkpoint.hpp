@@ -21,9 +21,8 @@ class Checkpointing {
 
   /// Before the first instant: goes on where the run was left, and keeps the first.
   void begin();
-  /// Between two instants.
   void after_instant() {
-    if (is_kept_ && runtime_.time() >= next_) keep();
+    if (options_.checkpoints.keeper && runtime_.time() >= next_) keep();
   }
 
  private:
@@ -39,7 +38,6 @@ class Checkpointing {
   std::uint64_t data_ = 0;  // checksum of the files of its sources
   const RunOptions& options_;
   std::function<void(StateBytes& bytes)> exchange_;
-  bool is_kept_;
   Time next_ = no_time;
   std::vector<std::byte> bytes_;
 };

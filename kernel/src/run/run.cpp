@@ -344,8 +344,7 @@ class RunUnderWay {
 
 bool can_rerun(const Session& session) { return !session.runtime().is_live(); }
 
-void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants,
-           const std::function<void()>& each) {
+void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants, RunObserver& observer) {
   Runtime& runtime = session.runtime();
   const int filters = base::count_of(runtime.plan().filters);
   std::vector<filter::NoteBook> notes;
@@ -357,11 +356,11 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
   bool is_over = false;
   for (std::int64_t i = 0; i < instants && !is_over; ++i) {
     is_over = !runtime.next_instant();
-    if (!is_over) each();
+    if (!is_over) observer.after_instant();
   }
   if (is_over || instants == 0) {
     runtime.finish();
-    each();
+    observer.after_instant();
   }
   for (int f = 0; f < filters; ++f) runtime.engine(f).calls().note_book = notes[as_size(f)];
   runtime.filter_times() = times;
@@ -401,7 +400,6 @@ void share_sources(std::span<const std::shared_ptr<const Composition>> compositi
 
 namespace {
 
-/// One of several.
 struct Member {
   std::unique_ptr<RunUnderWay> run;
   Taps* taps = nullptr;  // null: it is over
@@ -413,7 +411,7 @@ void refuse_unlike(std::span<const RunRequest> requests) {
     if (!have_same_sources(*requests.front().composition, *composition)) refuse("the sources are not the same");
     if (options.seed != requests.front().options.seed || options.run != requests.front().options.run)
       refuse("seed and run are not the same");
-    if (options.input || options.pace != 0 || options.checkpoints.keep || !options.checkpoints.from.empty())
+    if (options.input || options.pace != 0 || options.checkpoints.keeper || !options.checkpoints.from.empty())
       refuse("there are no checkpoints, pace and recorded input");
   }
 }

@@ -541,16 +541,16 @@ void Runtime::show_arrival(int channel) const {
 }
 
 bool Runtime::next_of_input() {
-  if (watch_ && !watch_->begin_recorded(time_)) return false;
+  if ((watch_ && !watch_->begin_recorded(time_)) || !input_->next_instant()) return false;
   Time t = time_;
-  const bool is_any = input_->next([&](const Arrival& arrival) {
-    deliver(arrival.channel, *arrival.sample);
-    channels_[as_size(arrival.channel)].sequence = arrival.sequence;
-    show_arrival(arrival.channel);
-    t = arrival.sample->t;
-  });
-  if (is_any) end_arrival(t);
-  return is_any;
+  while (const Arrival* arrival = input_->next()) {
+    deliver(arrival->channel, *arrival->sample);
+    channels_[as_size(arrival->channel)].sequence = arrival->sequence;
+    show_arrival(arrival->channel);
+    t = arrival->sample->t;
+  }
+  end_arrival(t);
+  return true;
 }
 
 bool Runtime::next_of_sources() {

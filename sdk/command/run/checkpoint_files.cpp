@@ -56,17 +56,12 @@ void CheckpointFiles::open() {
   if (from_.empty()) from_.resize(1);  // torn, not none
 }
 
-Checkpoints CheckpointFiles::checkpoints() const {
-  Checkpoints all;
-  all.every = every_;
-  all.from = from_;
-  if (!keep_.empty())
-    all.keep = [this](std::span<const std::byte> bytes) {
-      AtomicFile file(keep_);
-      file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-      file.commit();
-    };
-  return all;
+Checkpoints CheckpointFiles::checkpoints() { return {every_, keep_.empty() ? nullptr : this, from_}; }
+
+void CheckpointFiles::keep(std::span<const std::byte> checkpoint) {
+  AtomicFile file(keep_);
+  file.write({reinterpret_cast<const char*>(checkpoint.data()), checkpoint.size()});
+  file.commit();
 }
 
 std::string CheckpointFiles::advice() const {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 
 namespace binnacle::command {
 
-class CheckpointFiles {
+class CheckpointFiles final : public Checkpoints::Keeper {
  public:
   void add_to(CLI::App& app);
   /// Reads what is to be resumed. Throws UsageError where a file or a time is none.
@@ -21,7 +22,8 @@ class CheckpointFiles {
 
   bool are_wanted() const { return !keep_.empty() || !resume_.empty(); }
   /// Each replaces the file as a whole.
-  Checkpoints checkpoints() const;
+  Checkpoints checkpoints();
+  void keep(std::span<const std::byte> checkpoint) override;
   /// Where the records of a run are that goes on, and where they are kept; empty: nowhere.
   std::filesystem::path kept_records() const { return records_of(keep_); }
   std::filesystem::path resumed_records() const { return records_of(resume_); }

@@ -208,18 +208,22 @@ std::string InputReader::warning() const {
   return fmt::format("'{}' ends in the middle of line {}; the lines before it were run", path_, line_);
 }
 
-bool InputReader::next(const std::function<void(const Arrival& arrival)>& give) {
-  if (!has_ready_) return false;
-  const Time arrival = ready_.arrival;
-  while (has_ready_ && ready_.arrival == arrival) {
+bool InputReader::next_instant() {
+  if (has_ready_) instant_ = ready_.arrival;
+  return has_ready_;
+}
+
+const Arrival* InputReader::next() {
+  while (has_ready_ && ready_.arrival == instant_) {
     std::swap(taken_, ready_);
-    const auto& [channel, sequence, at, t, t0, rows, fields, row_fields, covariance] = taken_;
-    const SampleView sample{
-        t, t0, rows, fields.data(), row_fields.data(), covariance.empty() ? nullptr : covariance.data(), true};
-    if (channel >= 0) give({at, channel, &sample, sequence});
     has_ready_ = read(ready_);
+    const auto& [channel, sequence, at, t, t0, rows, fields, row_fields, covariance] = taken_;
+    if (channel < 0) continue;
+    view_ = {t, t0, rows, fields.data(), row_fields.data(), covariance.empty() ? nullptr : covariance.data(), true};
+    given_ = {at, channel, &view_, sequence};
+    return &given_;
   }
-  return true;
+  return nullptr;
 }
 
 }  // namespace binnacle::command

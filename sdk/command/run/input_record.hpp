@@ -52,7 +52,8 @@ class InputReader final : public RecordedInput {
  public:
   /// Throws DataError where the file is none of these, or of channels that the composition does not have so.
   InputReader(const std::string& path, const Composition& composition);
-  bool next(const std::function<void(const Arrival& arrival)>& give) override;
+  bool next_instant() override;
+  const Arrival* next() override;
   /// Where the file was cut short, what is whole was read: a warning says so. Empty: it was not.
   std::string warning() const;
 
@@ -73,6 +74,9 @@ class InputReader final : public RecordedInput {
   std::ifstream file_;
   std::int64_t line_ = 0;
   Sample ready_, taken_;
+  SampleView view_;
+  Arrival given_;
+  Time instant_ = 0;  // its arrival
   bool has_ready_ = false, is_cut_ = false;
 };
 

@@ -197,7 +197,7 @@ struct Outputs {
   std::unique_ptr<InputWriter> input;
 };
 
-score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const RunVerbOptions& options,
+score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, RunVerbOptions& options,
                              const Outputs& outputs, live::RunPage* page, Diagnostics& shown) {
   RunRecorder* const recorder = outputs.recorder.get();
   std::unique_ptr<RecordJournal> journal;
