@@ -71,6 +71,7 @@ def execute(item, mutants, limit):
                    "BINNACLE_MUTANT": ",".join(map(str, mutants))}
 
     def limited():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a job in a shell's background ignores it, and so would the test
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if not BROWSER.match(item.name):
             resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
