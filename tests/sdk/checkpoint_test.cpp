@@ -21,14 +21,14 @@ using namespace binnacle::test;
 
 namespace {
 
+#ifdef NDEBUG
+constexpr int many_kills = 100;
+#else
+constexpr int many_kills = 6;
+#endif
+
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
-
-#ifdef NDEBUG
-constexpr int wanted_kills = 100;
-#else
-constexpr int wanted_kills = 6;
-#endif
 
 const std::string quickstart = BINNACLE_TEST_PROJECT "/configs/quickstart.json";
 
@@ -77,7 +77,7 @@ std::vector<std::string> left_in(const Workbench& bench) {
 
 }  // namespace
 
-TEST_CASE("killed at random instants and resumed, a run leaves the same bytes") {
+void leaves_the_same(int wanted_kills) {
   const Workbench bench;
   const auto begin = std::chrono::steady_clock::now();
   REQUIRE(binnacle::test::binnacle(bench, with({"--out", "out"})).status == 0);
@@ -115,6 +115,9 @@ TEST_CASE("killed at random instants and resumed, a run leaves the same bytes") 
   }
   CHECK(2 * resumptions > kills);
 }
+
+TEST_CASE("killed at six random instants and resumed, a run leaves the same bytes") { leaves_the_same(6); }
+TEST_CASE("killed at many random instants and resumed, a run leaves the same bytes") { leaves_the_same(many_kills); }
 
 TEST_CASE("an interrupted run says how it goes on") {
   const Workbench bench;
