@@ -85,6 +85,7 @@ class RunObserver {
 /// What a run is at some instant, to go on from there later. A run that was resumed leaves what one leaves that was not
 /// stopped, to the last bit; live sources go on with what arrives next.
 struct Checkpoints {
+  /// Takes each checkpoint as it is made, and keeps it where the run can find it again.
   struct Keeper {
     virtual ~Keeper() = default;
     virtual void keep(std::span<const std::byte> checkpoint) = 0;
