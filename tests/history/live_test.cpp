@@ -143,7 +143,7 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
     const auto before = bits(other);
     bytes.resize(bytes.size() - 100);
     snapshot_attack::reseal(bytes);
-    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("its content is damaged"));
+    CHECK_THROWS_WITH(other.restore(bytes), binnacle::test::Contains("its content is damaged"));
     CHECK(bits(other) == before);
   }
 }
@@ -269,7 +269,7 @@ TEST_CASE(
     REQUIRE(doubts.items().size() == 1);
     CHECK(doubts.items().front().code == "B123");
     CHECK_THAT(doubts.items().front().message,
-               Catch::Contains("s behind the arrivals") && Catch::Contains("history 1 s"));
+               binnacle::test::Contains("s behind the arrivals") && binnacle::test::Contains("history 1 s"));
   }
 }
 

@@ -12,7 +12,7 @@ namespace csv_calendar_test {
 
 using namespace binnacle;
 using namespace binnacle::csv_files;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 
 namespace {
 

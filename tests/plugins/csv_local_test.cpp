@@ -14,7 +14,7 @@ namespace csv_local_test {
 
 using namespace binnacle;
 using namespace binnacle::csv_files;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 using Eigen::Vector3d;
 
 namespace {

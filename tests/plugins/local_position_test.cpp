@@ -17,7 +17,7 @@ namespace local_position_test {
 using namespace binnacle;
 using namespace binnacle::frames;
 using namespace binnacle::test;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 
 namespace {
 

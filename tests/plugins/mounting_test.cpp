@@ -15,7 +15,7 @@ namespace mounting_test {
 
 using namespace binnacle;
 using namespace binnacle::json_members;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;

@@ -17,7 +17,7 @@ namespace local_test {
 
 using namespace binnacle::test;
 using binnacle::results::FilterResults;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 
 namespace {
 

@@ -14,7 +14,7 @@
 namespace segments_test {
 
 using namespace binnacle::test;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 using nlohmann::json;
 
 namespace {

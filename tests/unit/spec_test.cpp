@@ -14,7 +14,7 @@ namespace spec_test {
 
 using namespace binnacle;
 using namespace binnacle::internal::spec;
-using Catch::Matchers::Contains;
+using binnacle::test::Contains;
 using Lines = std::vector<std::string>;
 
 namespace {
