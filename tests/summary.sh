@@ -13,13 +13,18 @@ skipped_cases() {
     done
 }
 
+# hundredths_of FILE: of the processor time of the children, as the builtin `times` wrote it into the file.
+hundredths_of() {
+  awk 'NR == 2 { for (i = 1; i <= 2; ++i) { split($i, part, /[ms]/); sum += 6000 * part[1] + 100 * part[2] } printf "%d", sum }' "$1"
+}
+
 # shellcheck disable=SC2034  # hundredths is for the caller
 # spent: sets hundredths, the processor time of this shell's children that have ended.
 spent() {
   local file
   file=$(mktemp)
   times >"$file"  # in this shell: one behind a pipe has no children
-  hundredths=$(awk 'NR == 2 { for (i = 1; i <= 2; ++i) { split($i, part, /[ms]/); sum += 6000 * part[1] + 100 * part[2] } printf "%d", sum }' "$file")
+  hundredths=$(hundredths_of "$file")
   rm -f -- "$file"
 }
 

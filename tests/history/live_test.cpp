@@ -13,6 +13,7 @@
 namespace live_test {
 
 using namespace binnacle;
+using binnacle::test::Contains;
 using filter_tests::composition_of;
 using filter_tests::fix_and_speed;
 
@@ -143,7 +144,7 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
     const auto before = bits(other);
     bytes.resize(bytes.size() - 100);
     snapshot_attack::reseal(bytes);
-    CHECK_THROWS_WITH(other.restore(bytes), binnacle::test::Contains("its content is damaged"));
+    CHECK_THROWS_WITH(other.restore(bytes), Contains("its content is damaged"));
     CHECK(bits(other) == before);
   }
 }
@@ -268,8 +269,7 @@ TEST_CASE(
     const Diagnostics doubts = session.doubts({0});
     REQUIRE(doubts.items().size() == 1);
     CHECK(doubts.items().front().code == "B123");
-    CHECK_THAT(doubts.items().front().message,
-               binnacle::test::Contains("s behind the arrivals") && binnacle::test::Contains("history 1 s"));
+    CHECK_THAT(doubts.items().front().message, Contains("s behind the arrivals") && Contains("history 1 s"));
   }
 }
 

@@ -21,14 +21,14 @@ using namespace binnacle::test;
 
 namespace {
 
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
 #ifdef NDEBUG
 constexpr int many_kills = 100;
 #else
 constexpr int many_kills = 6;
 #endif
-
-namespace fs = std::filesystem;
-using Arguments = std::vector<std::string>;
 
 const std::string quickstart = BINNACLE_TEST_PROJECT "/configs/quickstart.json";
 
@@ -75,8 +75,6 @@ std::vector<std::string> left_in(const Workbench& bench) {
           read_file(bench.path("out.csv")), read_file(bench.path("lines.jsonl")), data_of(bench, "out/run.nc")};
 }
 
-}  // namespace
-
 void leaves_the_same(int wanted_kills) {
   const Workbench bench;
   const auto begin = std::chrono::steady_clock::now();
@@ -115,6 +113,8 @@ void leaves_the_same(int wanted_kills) {
   }
   CHECK(2 * resumptions > kills);
 }
+
+}  // namespace
 
 TEST_CASE("killed at six random instants and resumed, a run leaves the same bytes") { leaves_the_same(6); }
 TEST_CASE("killed at many random instants and resumed, a run leaves the same bytes") { leaves_the_same(many_kills); }

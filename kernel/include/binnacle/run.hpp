@@ -121,7 +121,7 @@ bool can_rerun(const Session& session);
 
 /// In RunObserver::finished(): takes the run back to a snapshot that was made in after_instant(), and from there over so
 /// many instants again, to its very end where they reach it. Channels that sections subscribe to are shown again;
-/// sinks and notes are left alone. Of the observer only after_instant() is called, once more after the end.
+/// sinks and notes are left alone. Of the observer only after_instant() is called: after each instant and after the end.
 void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants, RunObserver& observer);
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of
