@@ -2,6 +2,7 @@
 // A fixed rotation between two sets of axes on one body.
 #include "mounting.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <string>

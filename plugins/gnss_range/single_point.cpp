@@ -100,12 +100,13 @@ struct NormalEquations {
 
 /// For the first unknowns; the others, which the epoch does not have, stay. False: not determined.
 bool solve_first(int size, const NormalEquations& e, Unknowns& dx, SinglePointFix& fix) {
-  const algebra::PivotedCholesky solver(e.N.topLeftCorner(size, size)), unweighted(e.plain.topLeftCorner(size, size));
+  const algebra::SmallPivotedCholesky solver(e.N.topLeftCorner(size, size)),
+      unweighted(e.plain.topLeftCorner(size, size));
   if (!solver.is_factored() || !(unweighted.D().minCoeff() > 1e-9)) return false;
-  const Eigen::VectorXd solution = solver.solve_vector(e.b.head(size));
+  const algebra::SmallPivotedCholesky::Vector solution = solver.solve_vector(e.b.head(size));
   if (!solution.allFinite()) return false;
   dx.head(size) = solution;
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(size, size);
+  const algebra::SmallMatrix identity = algebra::SmallMatrix::Identity(size, size);
   fix.cofactors.setZero();
   fix.cofactors.topLeftCorner(size, size) = solver.solve(identity);
   fix.gdop = std::sqrt(unweighted.solve(identity).diagonal().head<4>().sum());
@@ -346,7 +347,7 @@ void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePo
     b += weight * (s.range_rate - at_rest.rate - s.rate_delay) * a;
     ++rates;
   }
-  const algebra::PivotedCholesky solver(N);
+  const algebra::SmallPivotedCholesky solver(N);
   const bool is_solved = rates >= 4 && solver.is_factored() && solver.D().minCoeff() > 0;
   const Eigen::Vector4d solution = is_solved ? Eigen::Vector4d(solver.solve_vector(b)) : Eigen::Vector4d::Zero();
   Eigen::Matrix4d cofactors = Eigen::Matrix4d::Zero();

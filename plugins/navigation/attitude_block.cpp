@@ -21,14 +21,18 @@ ComponentSpec AttitudeBlock::spec() {
                          .defaults("0")
                          .at_least(-2.0 * std::numbers::pi)
                          .at_most(2.0 * std::numbers::pi)
-                         .about("roll, pitch and yaw of the body in the axes of the values that are read and written")};
+                         .about("roll, pitch and yaw of the body in the axes of the values that are read and written"),
+                     parameter::boolean("reset").defaults("true").about(
+                         "whether a correction turns P by the reset Jacobian; false where the heading is known far "
+                         "worse than the tilt, as during a long rest")};
   spec.example = R"json({"init": {"roll": "0.2 deg", "pitch": 0, "yaw": "90 deg"},
     "sigma": ["0.5 deg", "0.5 deg", "5 deg"]})json";
   return spec;
 }
 
 AttitudeBlock::AttitudeBlock(const Binding& binding)
-    : q_rb_(strapdown::quaternion_from_euler(binding.parameters().vector("mounting"))) {
+    : q_rb_(strapdown::quaternion_from_euler(binding.parameters().vector("mounting"))),
+      is_reset_(binding.parameters().boolean("reset")) {
   declaration_.kind = "attitude";
   declaration_.stored_size = 4;
   declaration_.error = {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}};
@@ -66,8 +70,8 @@ Result AttitudeBlock::write(ConstVectorView outputs, VectorView x) const {
 }
 
 bool AttitudeBlock::reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const {
-  G.as<3, 3>() = strapdown::left_jacobian(delta.as<3>());
-  return true;
+  if (is_reset_) G.as<3, 3>() = strapdown::left_jacobian(delta.as<3>());
+  return is_reset_;
 }
 
 bool AttitudeBlock::output_jacobian(ConstVectorView x, MatrixView J) const {

@@ -23,7 +23,9 @@ class AttitudeBlock final : public StateBlock {
   void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override;
   void read(ConstVectorView x, VectorView outputs) const override;
   Result write(ConstVectorView outputs, VectorView x) const override;
-  /// exp(φ_new) = exp(φ_old) exp(−δ), so φ_new = J_l(δ) (φ_old − δ) = (I + ½[δ×] + …)(φ_old − δ).
+  /// exp(φ_new) = exp(φ_old) exp(−δ), so φ_new = J_l(δ) (φ_old − δ) = (I + ½[δ×] + …)(φ_old − δ). With "reset": false it
+  /// is not used: what position and velocity at rest do not show is a rotation about the vertical, exp(ψ e) exp(τ) of
+  /// any ψ, and J_l would turn the axis e of that ψ into the tilt by each correction of τ.
   bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const override;
   /// Of strapdown::euler_jacobian(); false near the vertical.
   bool output_jacobian(ConstVectorView x, MatrixView J) const override;
@@ -33,6 +35,7 @@ class AttitudeBlock final : public StateBlock {
 
   StateBlockDeclaration declaration_;
   Eigen::Vector4d q_rb_;  // body to the axes that are read
+  bool is_reset_;
 };
 
 }  // namespace binnacle::navigation

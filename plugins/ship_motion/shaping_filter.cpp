@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/LU>
-#include <unsupported/Eigen/MatrixFunctions>
+#include "algebra/decompositions.hpp"
 
 namespace binnacle::ship_motion {
 
@@ -25,7 +24,7 @@ Eigen::MatrixXd covariance_of_unit_noise(const Eigen::MatrixXd& F) {
       }
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n * n);
   b[n * n - 1] = -1;
-  const Eigen::VectorXd p = A.partialPivLu().solve(b);
+  const Eigen::VectorXd p = algebra::solve(A, b);
   return Eigen::Map<const Eigen::MatrixXd>(p.data(), n, n);
 }
 
@@ -61,7 +60,7 @@ double ShapingFilter::noise_density() const { return sigma * sigma / covariance_
 
 Eigen::VectorXd ShapingFilter::autocovariance(double interval, Eigen::Index count) const {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
-  const Square Phi = (dynamics() * interval).eval().exp();
+  const Square Phi = algebra::exponential(dynamics() * interval);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1> x = steady_covariance().col(0);
   Eigen::VectorXd r(count);
   for (Eigen::Index k = 0; k < count; ++k) {

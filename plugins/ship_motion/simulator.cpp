@@ -1,28 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator.hpp"
 
-#include <Eigen/Cholesky>
-#include <unsupported/Eigen/MatrixFunctions>
-
+#include "algebra/decompositions.hpp"
 #include "motion_parameters.hpp"
 #include "random/normal.hpp"
 
 namespace binnacle::ship_motion {
-
-namespace {
-
-/// A with A Aᵀ = P; P may be singular.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& P) {
-  const Eigen::MatrixXd symmetric = 0.5 * (P + P.transpose());
-  const Eigen::LLT<Eigen::MatrixXd> positive(symmetric);
-  if (positive.info() == Eigen::Success) return positive.matrixL();
-  const Eigen::LDLT<Eigen::MatrixXd> semidefinite(symmetric);
-  Eigen::MatrixXd L = semidefinite.matrixL();
-  L *= semidefinite.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal();
-  return semidefinite.transpositionsP().transpose() * L * semidefinite.transpositionsP();
-}
-
-}  // namespace
 
 struct Simulator::Memory {
   random::Philox engine;
@@ -81,7 +64,7 @@ Simulator::Simulator(const Binding& binding) : noise_(binding.parameters().numbe
   if (order_ > 0) {
     F_.topLeftCorner(order_, order_) = motion;
     density_(order_ - 1, order_ - 1) = motion_density;
-    root_P_.topLeftCorner(order_, order_) = root_of(first);
+    root_P_.topLeftCorner(order_, order_) = algebra::root(first);
   }
   F_(error, drift) = 1;
   F_(drift, drift) = -1 / tau;
@@ -110,13 +93,13 @@ void Simulator::discretize(double interval) {
   A.topLeftCorner(n, n) = -F_;
   A.topRightCorner(n, n) = density_;
   A.bottomRightCorner(n, n) = F_.transpose();
-  const Eigen::MatrixXd E = (A * interval).exp();
+  const Eigen::MatrixXd E = algebra::exponential(A * interval);
   Phi_ = E.bottomRightCorner(n, n).transpose();
   const Eigen::MatrixXd Q = Phi_ * E.topRightCorner(n, n);
   // Motion and drift are independent, and of very different size.
   root_Q_ = Square::Zero(n, n);
-  if (order_ > 0) root_Q_.topLeftCorner(order_, order_) = root_of(Q.topLeftCorner(order_, order_));
-  root_Q_.bottomRightCorner(2, 2) = root_of(Q.bottomRightCorner(2, 2));
+  if (order_ > 0) root_Q_.topLeftCorner(order_, order_) = algebra::root(Q.topLeftCorner(order_, order_));
+  root_Q_.bottomRightCorner(2, 2) = algebra::root(Q.bottomRightCorner(2, 2));
 }
 
 void Simulator::open(Reporter& /*reporter*/) {

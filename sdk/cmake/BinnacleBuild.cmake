@@ -72,7 +72,7 @@ set(CMAKE_UNITY_BUILD ${BINNACLE_UNITY})
 if(BINNACLE_UNITY AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   add_compile_options(-Wno-shadow)  # a local of one file that is named as a constant of another; the preset dev reports shadows
 endif()
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 64)
 
 # binnacle_precompile(TARGET HEADER …): a precompiled header for TARGET, and for those that reuse it.
 function(binnacle_precompile target)

@@ -2,6 +2,7 @@
 // A check of the conformance suite: what it is called, what it applies to, and what it reports.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <random>
@@ -69,6 +70,7 @@ class Trial {
 
   template <class... Parts>
   void fail(const Parts&... parts) {
+    has_failed_ = true;
     report_.failed(text(parts...));
   }
   template <class... Parts>
@@ -81,6 +83,7 @@ class Trial {
     if (!holds) fail(parts...);
     return holds;
   }
+  bool has_failed() const { return has_failed_; }
   void stage(const char* call) { report_.stage(call); }
   /// What should hold could not be tried.
   [[noreturn]] static void skip(std::string reason) { throw Skip{std::move(reason), true}; }
@@ -103,6 +106,7 @@ class Trial {
   }
 
   Report& report_;
+  std::atomic<bool> has_failed_ = false;  // by any thread of a check
 };
 
 struct Check {

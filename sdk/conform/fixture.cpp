@@ -8,9 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-#include <boost/math/distributions/chi_squared.hpp>
-
+#include "algebra/decompositions.hpp"
 #include "allocations.hpp"
 #include "guarded.hpp"
 
@@ -105,11 +103,9 @@ Eigen::VectorXd normals(std::mt19937_64& random, Eigen::Index count) {
   return values;
 }
 Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  return solver.eigenvectors() *
-         solver.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(normals(random, covariance.rows()));
+  const algebra::Spectrum spectrum = algebra::spectrum(covariance);
+  return spectrum.vectors * spectrum.values.cwiseMax(0).cwiseSqrt().cwiseProduct(normals(random, covariance.rows()));
 }
-double quantile(double dof, double p) { return boost::math::quantile(boost::math::chi_squared(dof), p); }
 
 // ---- ports
 

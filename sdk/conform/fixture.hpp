@@ -80,8 +80,6 @@ double normal(std::mt19937_64& random);
 Eigen::VectorXd normals(std::mt19937_64& random, Eigen::Index count);
 /// Of a covariance, which may be singular.
 Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random);
-/// Of the chi-squared distribution.
-double quantile(double dof, double p);
 
 /// The samples of the auxiliary channels: what the surroundings specify, and where they specify nothing what is plausible.
 /// settings: those of the component, with the inputs that are connected.

@@ -2,6 +2,7 @@
 // life: made and unmade, alone and beside another, from one thread and from two, it is a function of what it is handed.
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "allocations.hpp"

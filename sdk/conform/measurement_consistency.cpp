@@ -6,7 +6,9 @@
 
 #include <Eigen/Dense>
 
+#include "algebra/decompositions.hpp"
 #include "binnacle/session.hpp"
+#include "chi_squared/chi_squared.hpp"
 
 namespace binnacle::conform {
 
@@ -39,8 +41,8 @@ struct Sum {
   double nis = 0, dof = 0;
   int left_out = 0;  // runs with a gated sample
   double mean() const { return nis / dof; }
-  double low() const { return quantile(dof, 0.0001) / dof; }
-  double high() const { return quantile(dof, 0.9999) / dof; }
+  double low() const { return chi_squared_quantile(dof, 0.0001) / dof; }
+  double high() const { return chi_squared_quantile(dof, 0.9999) / dof; }
   bool is_inside() const { return dof > 0 && mean() > low() && mean() < high(); }
 };
 
@@ -92,8 +94,8 @@ void believe(const SeenSubject& subject, const Eigen::MatrixXd& prior, double sh
     if (!m.result || m.residual.size() == 0) Trial::skip("it refuses a sample that it should accept");
     const Eigen::MatrixXd H = H_of(subject, estimate, m);
     const Eigen::MatrixXd S = H * P * H.transpose() + m.R;
-    const Eigen::LDLT<Eigen::MatrixXd> factored(S);
-    sum.nis += m.residual.dot(factored.solve(m.residual));
+    const algebra::PivotedCholesky factored(S);
+    sum.nis += m.residual.dot(factored.solve_vector(m.residual));
     sum.dof += static_cast<double>(m.residual.size());
     const Eigen::MatrixXd K = factored.solve(H * P).transpose();
     const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(P.rows(), P.cols()) - K * H;

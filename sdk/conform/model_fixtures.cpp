@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "algebra/decompositions.hpp"
 #include "fixture.hpp"
 
 namespace binnacle::conform {
@@ -206,7 +207,7 @@ SampleNumbers MeasurementFixture::sample(const PortStates& ports, std::mt19937_6
         J.col(static_cast<Eigen::Index>(i)) = (r_up - r_down) / (2 * h);
     }
     if (!J.allFinite()) return z;
-    const Eigen::VectorXd step = J.completeOrthogonalDecomposition().solve(error);
+    const Eigen::VectorXd step = algebra::LeastSquares(J).solve_vector(error);
     for (std::size_t i = 0; i < z.count(); ++i)
       if (!std::isnan(z.at(i))) z.at(i) -= step[static_cast<Eigen::Index>(i)];
   }

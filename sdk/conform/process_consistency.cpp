@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "algebra/decompositions.hpp"
 #include "binnacle/session.hpp"
+#include "chi_squared/chi_squared.hpp"
 
 namespace binnacle::conform {
 
@@ -100,7 +102,7 @@ class ProcessRun {
       const Eigen::MatrixXd own = filter_.covariance(FilterId{0})
                                       .as()
                                       .block(block.first_row, block.first_row, truth_[i].dof(), truth_[i].dof());
-      sum += e.dot(own.ldlt().solve(e));
+      sum += e.dot(algebra::PivotedCholesky(own).solve_vector(e));
       dof += truth_[i].dof();
     }
   }
@@ -153,7 +155,7 @@ void process_consistency(Trial& trial) {
   }
   // Blocks of one filter are correlated, so their sum is wider than its χ²: the band is that of one block of three a run.
   const double mean = sum / dof, wide = std::min<double>(dof, 3.0 * runs);
-  const double low = quantile(wide, 0.0001) / wide, high = quantile(wide, 0.9999) / wide;
+  const double low = chi_squared_quantile(wide, 0.0001) / wide, high = chi_squared_quantile(wide, 0.9999) / wide;
   trial.expect(mean > low && mean < high, "NEES of what it advances is ", mean, " a degree of freedom over ", runs,
                " runs of a world that is the model itself; 99.98 % band ", low, " to ", high);
 }

@@ -14,7 +14,7 @@ struct Wire {
 };
 inline constexpr int stage_bytes = 64;
 
-/// Runs the check as one Catch2 session, whose own report goes to stdout. Returns its exit status.
+/// Runs the check. Returns an exit status: 1 if it fails.
 int run_check(const Check& check, Trial& trial, const Wire& wire);
 
 /// The Report that writes to the wire.

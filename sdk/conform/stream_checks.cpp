@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // numbers.source and numbers.transform: samples come in order and say what they declared.
+#include <cmath>
+
 #include "fixture.hpp"
 #include "miniature.hpp"
 

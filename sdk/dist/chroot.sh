@@ -35,6 +35,8 @@ in_chroot() {
   unshare --mount --propagation private --pid --fork --kill-child bash -euc '
     folder=$1 && shift
     mount -t proc proc "$folder/proc"
+    # Open MPI 5 looks for the processors there.
+    mount --rbind -o ro /sys "$folder/sys" 2>/dev/null || true
     mount -t tmpfs -o mode=1777 tmpfs "$folder/dev/shm"
     mount -t devpts -o newinstance,ptmxmode=0666 devpts "$folder/dev/pts" 2>/dev/null || true
     while [ "$1" = --bind ]; do

@@ -179,7 +179,8 @@ constexpr CodeEntry entries[] = {
      "The summary gives the standard deviation that would fit each row. If the innovations grow with motion, check the "
      "model, the clock, and the lever arm: one that the config does not have shows in turns."},
     {"B104", "biased innovations",
-     "Over a window, the mean innovation of a row is further from zero than noise can explain.",
+     "Over a window, the mean innovation of a row is further from zero than noise and what is `systematic` can "
+     "explain.",
      "A constant error is not modelled. Check for a bias, a lever arm, a mounting angle, a clock offset at constant "
      "speed or a receiver with an offset."},
     {"B105", "correlated innovations",
@@ -187,8 +188,11 @@ constexpr CodeEntry entries[] = {
      "The measurement's errors are correlated in time (by a receiver's own filter or multipath), or the process noise "
      "is too small."},
     {"B106", "recovered",
-     "A measurement was locked out. The filter increased the covariance until the measurement passed again.",
-     "Look for the cause before this time. The estimates from the first refusal to the recovery are wrong."},
+     "A measurement was locked out. The filter increased the covariance until the measurement passed again. It is "
+     "`lost` "
+     "if nothing confirms what it accepted: [who is right](trust.md#who-is-right).",
+     "Look for the cause before this time. The estimates from the first refusal to the recovery are wrong, or later "
+     "ones."},
     {"B107", "locked out for a while",
      "A measurement, or a row or key, was refused several times in a row, and passes again.",
      "Look at the data at the time in the message. Either the receiver jumped, froze or was spoofed, or the estimate "
@@ -299,6 +303,10 @@ constexpr CodeEntry entries[] = {
      "A connection of live output broke, its device vanished, the disk is full, or no receiver connected.",
      "Check the receiver, the device or the disk. TCP connections and serial devices are tried again every second. The "
      "run continues."},
+    {"B147", "noise larger than claimed",
+     "A row that was refused again and again scatters by more than the standard deviation that it claims. Its noise "
+     "was increased to what it scatters; the covariance was not opened.",
+     "Give the measurement a larger `sigma`, or scale the deviations that the receiver reports (`scale`, `floor`)."},
 };
 
 }  // namespace

@@ -284,6 +284,9 @@ void add_components(const Catalog& catalog, Json& definitions) {
     if (catalog.find(type->role, type->spec.type) == type) names.push_back(type->spec.type);
     definitions[definition_name(*type)] = component_schema(*type, names);
     if (type->role == Role::measurement_model) {
+      definitions[definition_name(*type)]["properties"]["systematic"] =
+          described("a mean of its innovations that is no reason against the estimates, in the unit of its rows",
+                    {{"type", {"number", "string"}}});
       // Alone it stands beside the keys of a measurement, in a stack it does not.
       Json alone = definitions[definition_name(*type)];
       for (const char* key : {"channel", "noise", "gate", "recover", "withhold", "update"})
@@ -360,9 +363,11 @@ void add_measurement_definitions(Json& definitions) {
       "false: no recovery",
       {{"anyOf",
         {{{"const", false}},
-         closed_object(
-             {{"after", {{"type", "integer"}, {"minimum", 1}}}, {"against", ref("time")}, {"inflate", named(quantity)}},
-             {})}}});
+         closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}},
+                        {"against", ref("time")},
+                        {"inflate", named(quantity)},
+                        {"widen", {{"type", "boolean"}}}},
+                       {})}}});
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
       {"description", "samples withheld from the filter and scored instead: time windows, or every n-th sample"},

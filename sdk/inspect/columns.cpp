@@ -246,6 +246,7 @@ Channel read_bare_file(const std::string& path, const std::string& name) {
     field.kind = field.name[0] == 'w' || field.name[0] == 'f' ? FieldKind::rate : FieldKind::level;
     field.empty = column.empty;
     field.bad = column.bad;
+    field.spoilt = column.spoilt;
     field.values = std::move(column.values);
     for (double& value : field.values) value *= field.scale;
   }
@@ -284,6 +285,7 @@ Channel read_stated_file(const StatedFile& file, const std::string& name) {
     const bool empty_is_missing = std::ranges::find(stated.missing, "") != stated.missing.end();
     field.empty = empty_is_missing ? 0 : column.empty;
     field.bad = stated.missing.empty() ? column.bad : 0;
+    field.spoilt = stated.missing.empty() ? column.spoilt : 0;
     for (double& value : field.values) {
       double number = 0;
       for (const auto& text : stated.missing)

@@ -46,7 +46,9 @@ void ask_numbers(const Channel& channel, const Field& field, Findings& findings)
   found.text =
       fmt::format("{} cells are no number ({} empty), the first at {} s", count, field.empty, figure(found.from));
   found.evidence = "cells of the column";
-  found.meaning = column_patch(channel, {field.name}, {{"missing", {"nan", ""}}});
+  const bool are_some_spoilt = field.spoilt > 0 && 20 * field.spoilt < static_cast<std::int64_t>(field.values.size());
+  found.meaning = are_some_spoilt ? source_patch(channel, {{"invalid_rows", "skip"}})
+                                  : column_patch(channel, {field.name}, {{"missing", {"nan", ""}}});
   findings.push_back(std::move(found));
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "algebra/decompositions.hpp"

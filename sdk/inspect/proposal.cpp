@@ -137,7 +137,7 @@ double value_of(const Inspection& inspection, const Channel& channel, std::strin
 
 /// Deviations that a channel does not state: usual ones of a single receiver, or its scatter at rest where that is more.
 Json fix_of(const Inspection& inspection, const Channel& gnss, std::vector<std::string>& notes) {
-  Json position = {{"type", "position_fix"}, {"blocks", {{"position", "antenna"}}}};
+  Json position = {{"type", "position_fix"}, {"blocks", {{"position", "antenna"}, {"bias", "receiver_bias"}}}};
   Json velocity = {{"type", "velocity_fix"}, {"blocks", {{"velocity", "antenna_velocity"}}}};
   const bool states_position = gnss.find("position_sd_n") != nullptr,
              states_velocity = gnss.find("velocity_sd_n") != nullptr;
@@ -162,9 +162,12 @@ Json fix_of(const Inspection& inspection, const Channel& gnss, std::vector<std::
                                 velocity["sigma"].get<std::string>(),
                                 seen > 0.2 ? "the scatter at rest" : "usual of a single receiver"));
   }
+  notes.push_back("fixes: errors that last for a minute, 1 m, 1 m, 2 m (receiver_bias): usual of a single receiver");
   return {{"channel", gnss.name}, {"stack", {{"position", position}, {"velocity", velocity}}}, {"gate", 0.9999}};
 }
 
+/// Sigma of a receiver's errors that last: reflections, the ionosphere.
+const Json lasting = {"1 m", "1 m", "2 m"};
 constexpr const char* gyro_drift = "1e-5 rad/s/sqrt(s)";
 constexpr const char* accel_drift = "1e-3 m/s^2/sqrt(s)";
 
@@ -251,7 +254,13 @@ Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, 
                  {"attitude", {{"type", "attitude"}, {"init", {{"channel", "alignment"}, {"max_age", "2 s"}}}}},
                  {"gyro_bias",
                   {{"type", "vector"}, {"size", 3}, {"unit", "rad/s"}, {"init", {{"channel", "alignment.gyro_bias"}}}}},
-                 {"accel_bias", {{"type", "vector"}, {"size", 3}, {"unit", "m/s^2"}, {"sigma", "0.2 m/s^2"}}}};
+                 {"accel_bias", {{"type", "vector"}, {"size", 3}, {"unit", "m/s^2"}, {"sigma", "0.2 m/s^2"}}},
+                 {"receiver_bias",
+                  {{"type", "vector"},
+                   {"size", 3},
+                   {"unit", "m"},
+                   {"components", {"north", "east", "down"}},
+                   {"sigma", lasting}}}};
   Json derived = {{"antenna",
                    {{"type", "lever_arm"},
                     {"blocks", {{"position", "position"}, {"attitude", "attitude"}}},
@@ -275,7 +284,9 @@ Json filter_of(const std::string& imu, const Channel& gnss, const Noise& noise, 
           {"process",
            {{"strapdown", strapdown},
             {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", gyro_drift}}},
-            {"accel_drift", {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", accel_drift}}}}},
+            {"accel_drift", {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", accel_drift}}},
+            {"receiver_drift",
+             {{"type", "gauss_markov"}, {"blocks", {{"x", "receiver_bias"}}}, {"tau", "60 s"}, {"sigma", lasting}}}}},
           {"measurements", {{"fix", fix}}}};
 }
 

@@ -166,8 +166,9 @@ class Builder {
         ++column.empty;
       } else if (!format_.delimiter && is_instant(cells_[i], value)) {
         ++column.instants;
-      } else if (!is_value(cells_[i], value) || !std::isfinite(value)) {
+      } else if (const bool is_number = is_value(cells_[i], value); !is_number || !std::isfinite(value)) {
         ++column.bad;
+        column.spoilt += !is_number;
         value = std::numeric_limits<double>::quiet_NaN();
       }
       column.values.push_back(value);

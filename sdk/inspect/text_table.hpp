@@ -9,9 +9,9 @@
 namespace binnacle::inspect {
 
 struct TextColumn {
-  std::string name;            // of the header, or its number from 1
-  std::vector<double> values;  // NaN where the cell is no number
-  std::int64_t empty = 0, bad = 0;
+  std::string name;                             // of the header, or its number from 1
+  std::vector<double> values;                   // NaN where the cell is no number
+  std::int64_t empty = 0, bad = 0, spoilt = 0;  // spoilt: bad, and not "nan" either
   std::int64_t instants = 0;  // cells that are a date and a time of day (ISO 8601): GPS time since 1980-01-06 [s]
 };
 

@@ -44,9 +44,9 @@ Matrix3d cross_matrix(const Vector3d& a) {
 }
 
 void project_out(const Eigen::MatrixXd& of_window, Eigen::Ref<Eigen::MatrixXd> rows, Eigen::Ref<Eigen::VectorXd> left) {
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> window(of_window);
-  rows -= of_window * window.solve(Eigen::MatrixXd(rows));
-  left -= of_window * window.solve(Eigen::VectorXd(left));
+  const algebra::LeastSquares window(of_window);
+  rows -= of_window * window.solve(rows);
+  left -= of_window * window.solve_vector(left);
 }
 
 Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length, double near) {

@@ -3,16 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
-#include <boost/math/distributions/chi_squared.hpp>
+#include "chi_squared/chi_squared.hpp"
 
 namespace binnacle::report {
 
 namespace {
-
-double quantile(double dof, double probability) {
-  return boost::math::quantile(boost::math::chi_squared(dof), probability);
-}
 
 /// Enough of them that a mean says more than its noise, and so that a plot still shows how it moves.
 constexpr std::size_t longest_mean = 200;
@@ -47,12 +44,12 @@ Within within_sigma(std::span<const double> errors, std::span<const double> sigm
 
 std::pair<double, double> chi_squared_95(double dof) {
   if (!(dof > 0)) return {0, 0};
-  return {quantile(dof, 0.025), quantile(dof, 0.975)};
+  return chi_squared_band(dof, 1, 0.95);
 }
 
 std::pair<double, double> mean_chi_squared_99(double dof, double n) {
   if (!(dof > 0) || !(n > 0)) return {0, 0};
-  return {quantile(dof * n, 0.005) / n, quantile(dof * n, 0.995) / n};
+  return chi_squared_band(dof, n, 0.99);
 }
 
 void MovingSums::append(std::vector<Stretch>& stretches, const Stretch& value, std::size_t each) {
@@ -90,8 +87,7 @@ MovingMean MovingSums::mean(double mean_dof) const {
   }
   if (mean_dof > 0) {
     const double n = static_cast<double>(count);
-    moving.low = quantile(mean_dof * n, 0.025) / n;
-    moving.high = quantile(mean_dof * n, 0.975) / n;
+    std::tie(moving.low, moving.high) = chi_squared_band(mean_dof, n, 0.95);
   }
   return moving;
 }

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "missing.hpp"
+#include <limits>
 
 namespace binnacle::report {
 
@@ -80,14 +79,14 @@ void ThinnedSeries::add(std::span<const double> t, std::span<const double> value
     if (!sigma.empty()) places.add(extremes_of(sigma.data(), begin, end), end);
     if (width_ == 1 || rows_ == 0) places.add({begin, begin}, end);  // all of them; the first
     for (const std::size_t i : places)
-      keep(rows_ + i - begin, t[i], values[i], sigma.empty() ? not_a_number : sigma[i]);
+      keep(rows_ + i - begin, t[i], values[i], sigma.empty() ? std::numeric_limits<double>::quiet_NaN() : sigma[i]);
     rows_ += end - begin;
     begin = end;
     if (row_.size() > most_) make_room();
   }
   last_t_ = t.back();
   last_value_ = values.back();
-  last_sigma_ = sigma.empty() ? not_a_number : sigma.back();
+  last_sigma_ = sigma.empty() ? std::numeric_limits<double>::quiet_NaN() : sigma.back();
 }
 
 void ThinnedSeries::finish() {

@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "results/results.hpp"
-
 namespace binnacle::results {
 
 /// Letters, digits and '_', as CF recommends and MATLAB and Python want: "position.lat" becomes "position_lat".

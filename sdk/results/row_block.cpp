@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "results/row_block.hpp"
 
-#include "results/results.hpp"
+#include "results/seconds.hpp"
 
 namespace binnacle::results {
 

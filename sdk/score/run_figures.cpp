@@ -65,12 +65,14 @@ Json notes(const Session& session, FilterId filter) {
 /// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }], "notes", "unwatched": [names] }
 Json verdict(const Session& session, FilterId filter) {
   const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
-  const Diagnostics doubts = session.doubts(filter);
+  const Diagnostics doubts = session.doubts(filter, Verdict::ok);
   std::vector<TrustReason> reasons(doubts.items().size());
   session.reasons(filter, reasons);
-  Json list = Json::array();
+  Json list = Json::array(), besides = notes(session, filter);
   for (std::size_t i = 0; i < reasons.size(); ++i) {
-    Json entry{{"code", doubts.items()[i].code}, {"verdict", verdict_name(reasons[i].verdict)}};
+    const bool is_note = reasons[i].verdict == Verdict::ok;
+    Json entry{{"code", doubts.items()[i].code}};
+    if (!is_note) entry["verdict"] = verdict_name(reasons[i].verdict);
     if (reasons[i].measurement >= 0) {
       const auto& measurement = info.measurements[static_cast<std::size_t>(reasons[i].measurement)];
       entry["measurement"] = measurement.name;
@@ -81,14 +83,14 @@ Json verdict(const Session& session, FilterId filter) {
     }
     if (reasons[i].since != no_time) entry["since_s"] = seconds(reasons[i].since);
     entry["text"] = doubts.items()[i].message;
-    list.push_back(std::move(entry));
+    (is_note ? besides : list).push_back(std::move(entry));
   }
   if (!session.healthy(filter))
     list.push_back({{"code", "B080"}, {"verdict", "lost"}, {"text", "the filter broke: " + session.diagnosis(filter)}});
   if (!session.started(filter))
     list.push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
   Json verdict{{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
-  if (auto besides = notes(session, filter); !besides.empty()) verdict["notes"] = std::move(besides);
+  if (!besides.empty()) verdict["notes"] = std::move(besides);
   for (const auto& measurement : info.measurements)
     if (!measurement.is_watched) verdict["unwatched"].push_back(measurement.name);
   return verdict;

@@ -73,7 +73,7 @@ void read_segments(const CompositionDraft& draft, const Reader& at, ScorePlan& p
       lengths.error("B006", "'lengths' needs one length at least, such as \"100 m\"");
   }
   if (const Reader every = at["every"])
-    if (const auto time = every.number(parameter::number("every", "s").above(0))) segments.every = nanoseconds(*time);
+    segments.every = every.time(parameter::time("every").above(0)).value_or(segments.every);
   if (const Reader start_every = at["start_every"])
     if (const auto count = start_every.integer(parameter::integer("start_every").at_least(1).at_most(1'000'000)))
       segments.start_every = static_cast<int>(*count);
@@ -181,9 +181,9 @@ std::optional<SmoothingPlan> read_type_of_smoother(const Reader& at) {
   if (*type == "fixed_lag") {
     at.check_keys({"type", "lag", "every"}, "'smoother'");
     if (!at.require("lag", "smoother", "a time, such as \"5 s\"")) return {};
-    const auto lag = at["lag"].number(parameter::number("lag", "s").at_least(0));
-    const auto every = at["every"].number(parameter::number("every", "s").above(0));
-    if (lag) plan.lag = smooth::Lag{nanoseconds(*lag), nanoseconds(every.value_or(1))};
+    const auto lag = at["lag"].time(parameter::time("lag").at_least(0));
+    const auto every = at["every"].time(parameter::time("every").above(0));
+    if (lag) plan.lag = smooth::Lag{*lag, every.value_or(nanoseconds_per_second)};
     return plan;
   }
   type_at.error("B010", "there is no smoother '" + *type + "'" + suggestion(*type, {"fixed_interval", "fixed_lag"}) +

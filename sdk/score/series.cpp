@@ -2,6 +2,7 @@
 #include "series.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "binnacle/unit.hpp"
 

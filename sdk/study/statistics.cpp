@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/math/special_functions/gamma.hpp>
-
 namespace binnacle::study {
 
 namespace {
@@ -103,11 +101,6 @@ Ratio ratio_of(const std::vector<double>& x, const std::vector<double>& baseline
   const auto psi_b = influence(baseline, statistic);
   for (std::size_t i = 0; i < psi.size(); ++i) psi[i] = psi[i] / b - a * psi_b[i] / (b * b);
   return {a / b, spread(psi)};
-}
-
-std::pair<double, double> chi_squared_band(double dof, double n, double probability) {
-  const double shape = dof * n / 2, tail = (1 - probability) / 2;
-  return {2 * boost::math::gamma_p_inv(shape, tail) / n, 2 * boost::math::gamma_q_inv(shape, tail) / n};
 }
 
 }  // namespace binnacle::study

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "binnacle/unit.hpp"
+#include "chi_squared/chi_squared.hpp"
 
 namespace binnacle::study {
 

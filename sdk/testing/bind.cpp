@@ -24,22 +24,23 @@ class ParametersSection final : public Section {
   ParametersSection(const ComponentSpec& spec, const Setup& setup) : spec_(spec), setup_(setup) {}
   std::vector<std::string> keys() const override { return {section_name}; }
   std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {
-    value_ = draft.at(std::string("/") + section_name)
-                 .parameters(spec_.parameters, spec_.type, {}, [this](std::string_view port) { return measure(port); });
+    value_ = draft.at(std::string("/") + section_name).parameters(spec_.parameters, spec_.type, {}, measures());
     return nullptr;
   }
   ParameterValue take() const { return std::move(value_); }
 
  private:
-  /// Declares components in one unit, as the kernel does.
-  std::optional<PortMeasure> measure(std::string_view port) const {
-    const auto found = setup_.ports.find(std::string(port));
-    if (found == setup_.ports.end()) return std::nullopt;
-    const auto& error = found->second->declaration().error;
-    const auto is_like_first = [&](const NamedUnit& component) { return component.unit == error.front().unit; };
-    if (error.empty() || !std::all_of(error.begin(), error.end(), is_like_first)) return std::nullopt;
-    const auto unit = parse_unit(error.front().unit);
-    return unit ? std::optional(PortMeasure{unit->dimension, static_cast<int>(error.size())}) : std::nullopt;
+  /// Blocks whose error components are of one unit, as the kernel reads them.
+  PortUnits measures() const {
+    PortUnits measures;
+    for (const auto& [port, block] : setup_.ports) {
+      const auto& error = block->declaration().error;
+      const auto is_like_first = [&](const NamedUnit& component) { return component.unit == error.front().unit; };
+      if (error.empty() || !std::all_of(error.begin(), error.end(), is_like_first)) continue;
+      if (const auto unit = parse_unit(error.front().unit))
+        measures.emplace(port, PortMeasure{unit->dimension, static_cast<int>(error.size())});
+    }
+    return measures;
   }
 
   const ComponentSpec& spec_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The laws of a manifold.
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include "guarded.hpp"

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
+#include "algebra/decompositions.hpp"
 #include "binnacle/view.hpp"
 #include "differences.hpp"
 #include "guarded.hpp"
@@ -181,7 +180,7 @@ Complaints check_covariance(const Eigen::MatrixXd& R) {
   if (R.size() == 0) return out;
   const double largest = R.cwiseAbs().maxCoeff();
   if (!((R - R.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * largest)) out.add("R is not symmetric:\n", R);
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(R).eigenvalues().minCoeff();
+  const double least = algebra::eigenvalues(R).minCoeff();
   if (!(R.diagonal().minCoeff() > 0))
     out.add("R has a 0 on its diagonal: R is 0 on entry, and the model writes each row's variance");
   if (!(least >= -1e-12 * largest)) out.add("R is not positive semidefinite: it has the eigenvalue ", least);

@@ -2,8 +2,7 @@
 // Noise estimators: what they make of an innovation is a covariance.
 #include <numeric>
 
-#include <Eigen/Cholesky>
-
+#include "algebra/decompositions.hpp"
 #include "guarded.hpp"
 
 namespace binnacle::testing {
@@ -53,8 +52,8 @@ Estimated NoiseCaller::estimate(const InnovationNumbers& given, MemoryView memor
   out.R = matrix_at(R.data(), rows, rows);
   if (estimator_->declaration().looks_back) {
     // Of an accepted sample: r - H K r = R S^-1 r, and H P+ H' = M - M S^-1 M, with the R that it gave.
-    const Eigen::LDLT<Eigen::MatrixXd> S(given.HPHt + out.R);
-    const Eigen::VectorXd residual = out.R * S.solve(given.residual);
+    const algebra::PivotedCholesky S(given.HPHt + out.R);
+    const Eigen::VectorXd residual = out.R * S.solve_vector(given.residual);
     const Eigen::MatrixXd left = given.HPHt - given.HPHt * S.solve(given.HPHt);
     const AfterUpdate after{Outcome::accepted, inputs.keep("the post-fit residual", ConstVectorView(residual)),
                             kept(inputs, "HPHt after the update", left), memory};

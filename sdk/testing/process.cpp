@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-#include <unsupported/Eigen/MatrixFunctions>
-
+#include "algebra/decompositions.hpp"
 #include "differences.hpp"
 #include "guarded.hpp"
 
@@ -152,7 +150,7 @@ Complaints check_noise_form(const Eigen::MatrixXd& Q, const std::string& of) {
   if (!(Q.diagonal().array() >= 0).all()) return out.add(of, " has a negative variance"), out;
   const Eigen::VectorXd inverse = Q.diagonal().cwiseSqrt().unaryExpr([](double v) { return v > 0 ? 1 / v : 0; });
   const Eigen::MatrixXd correlation = inverse.asDiagonal() * Q * inverse.asDiagonal();
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff();
+  const double least = algebra::eigenvalues(correlation).minCoeff();
   if (!(least >= -1e-9))
     out.add(of, " is not positive semidefinite: scaled to ones on its diagonal it has the eigenvalue ", least);
   return out;
@@ -212,7 +210,7 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> van_loan(const Eigen::MatrixXd& F, c
   A.topLeftCorner(n, n) = -F;
   A.topRightCorner(n, n) = GQGt;
   A.bottomRightCorner(n, n) = F.transpose();
-  const Eigen::MatrixXd E = (A * std::ldexp(dt, -doublings)).exp();
+  const Eigen::MatrixXd E = algebra::exponential(A * std::ldexp(dt, -doublings));
   Eigen::MatrixXd Phi = E.bottomRightCorner(n, n).transpose();
   Eigen::MatrixXd Q = Phi * E.topRightCorner(n, n);
   for (int i = 0; i < doublings; ++i) {

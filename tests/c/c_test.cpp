@@ -140,7 +140,7 @@ TEST_CASE("a drive in C gives the bits of Session") {
   REQUIRE(expected.size() > 5000);
   CHECK(std::memcmp(drive_log_of_c.numbers, expected.data(), expected.size() * sizeof(double)) == 0);
   // The drive has something of everything.
-  CHECK(session.verdict({0}) == Verdict::doubtful);
+  CHECK(session.verdict({0}) == Verdict::lost);
   CHECK_FALSE(session.healthy({2}));
   CHECK(session.counts(MeasurementId{{1}, 0}).rows_left_out > 0);
   CHECK(session.counts(session.measurement("ins/pv")).by_outcome[static_cast<int>(Outcome::accepted)] > 20);

@@ -2,11 +2,13 @@
 """What the comparison must find: python3 compare_test.py"""
 import importlib.machinery
 import importlib.util
+import os
 import sys
 import tempfile
 import types
 import unittest
 from pathlib import Path
+from unittest import mock
 
 sys.dont_write_bytecode = True
 HERE = Path(__file__).resolve().parent
@@ -14,6 +16,7 @@ sys.path.insert(0, str(HERE))
 
 import commands  # noqa: E402
 import figures  # noqa: E402
+import trees  # noqa: E402
 from names import Allowed, Bad, Renames  # noqa: E402
 
 loader = importlib.machinery.SourceFileLoader("compare_run", str(HERE / "run"))
@@ -289,6 +292,18 @@ class Committed(unittest.TestCase):
         commands.Plan.read(HERE / "plan.json")
         Renames.read(HERE / "renames.json")
         Allowed.read(HERE / "differences.json")
+
+
+class Data(unittest.TestCase):
+    def test_folder_of_a_tarball_and_without_git(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            root = Path(scratch).resolve() / "binnacle"
+            root.mkdir()
+            path = os.environ["PATH"]
+            for tools in (path, ""):
+                environment = {"PATH": tools, "GIT_CEILING_DIRECTORIES": scratch, "BINNACLE_DATA": ""}
+                with mock.patch.object(trees, "ROOT", root), mock.patch.dict(os.environ, environment):
+                    self.assertEqual(trees.data_folder(None), root.parent / "shared" / "data")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,10 @@ def say(text):
 
 
 def git(folder, *arguments):
-    done = subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True)
+    try:
+        done = subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True)
+    except FileNotFoundError as error:
+        raise Bad("git is not installed") from error
     if done.returncode != 0:
         raise Bad(f"git {' '.join(arguments)}: {done.stderr.strip()}")
     return done.stdout.strip()
@@ -111,6 +114,9 @@ def data_folder(named):
     beside = ROOT.parent / "shared" / "data"
     if beside.is_dir():
         return beside.resolve()
-    # A worktree elsewhere: beside the repository that it belongs to.
-    common = Path(git(ROOT, "rev-parse", "--path-format=absolute", "--git-common-dir"))
+    # A worktree elsewhere: beside the repository that it belongs to. A source tarball belongs to none.
+    try:
+        common = Path(git(ROOT, "rev-parse", "--path-format=absolute", "--git-common-dir"))
+    except Bad:
+        return beside.resolve()
     return (common.parent.parent / "shared" / "data").resolve()

@@ -288,6 +288,22 @@ def test_sections_without_sense(binnacle, bench, more, code, words):
     binnacle("check", "c.json").refused(3, code, words)
 
 
+@pytest.mark.parametrize("place, value, code, words", [
+    ("filters/f", {"history": "1e20 s"}, "B008", "beyond 146 years"),
+    ("filters/f", {"history": 1e20}, "B009", "beyond 146 years"),
+    ("filters/f", {"trust": {"silent": 1e300}}, "B009", "beyond 146 years"),
+    ("sources/a", {"latency": {"batch": "1e10 s"}}, "B009", "<= 1e+09"),
+])
+def test_durations_beyond_all_times(binnacle, bench, place, value, code, words):
+    c = config()
+    at = c
+    for key in place.split("/"):
+        at = at[key]
+    at |= value
+    bench("c.json", c)
+    binnacle("check", "c.json").refused(3, code, words)
+
+
 def test_a_negative_age(binnacle, bench):
     c = config()
     c["filters"]["f"]["blocks"]["x"] |= {"init": {"channel": "a", "fields": {"x": "z0"}, "max_age": "-1 s"}}

@@ -95,4 +95,29 @@ inline std::string fix_and_speed(const std::string& fix, const std::string& spee
          speed + R"(}}}}})";
 }
 
+/// A receiver with position and speed in one sample: `gate` are the keys of the measurement, `sigma` is that of the position,
+/// `q` the random walk of the velocity.
+inline std::string receiver(const std::string& gate, double sigma, double q) {
+  return R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m/s"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
+                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": )" +
+         std::to_string(q) + R"(}},
+      "measurements": {"fix": {"channel": "z", )" +
+         gate + R"("stack": {
+        "position": {"type": "linear_measurement", "blocks": {"x": "position"}, "fields": {"z0": "z0"}, "sigma": [)" +
+         std::to_string(sigma) + R"(]},
+        "speed": {"type": "linear_measurement", "blocks": {"x": "velocity"}, "fields": {"z0": "z1"}, "sigma": [0.1]}}}}}}})";
+}
+
+/// Of the first filter.
+inline std::vector<TrustReason> reasons_of(const Session& session) {
+  std::vector<TrustReason> reasons(16);
+  reasons.resize(session.reasons(FilterId{0}, reasons));
+  return reasons;
+}
+
 }  // namespace filter_tests

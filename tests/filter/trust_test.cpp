@@ -187,7 +187,7 @@ TEST_CASE("a filter that locks itself out recovers by itself, says so, and is co
       return z + jump;
     });
     INFO(said(session));
-    CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+    CHECK(session.verdict(FilterId{0}) == Verdict::lost);  // there is no other measurement that confirms the jump
     CHECK(has_code(session, "B106"));
     const auto counts = session.counts(MeasurementId{{0}, 0});
     CHECK(counts.recoveries == 1);
@@ -280,6 +280,19 @@ TEST_CASE("a mean that is too small for a window is doubtful over ten minutes") 
     by_window += said(session).find("in the window from 0.0 s") == std::string::npos;
   }
   CHECK(by_window <= 3);
+}
+
+TEST_CASE("a mean up to what is systematic in a measurement is no reason, and beyond it is one") {
+  const auto verdict = [](const std::string& systematic) {
+    const auto composition = composition_of(line("", R"(, "systematic": )" + systematic));
+    // The filter lags behind by 0.2 of its sigma.
+    return run(composition, 3, [](double t, double z, Truth&) { return z + 0.5 * 0.06 * t * t; }).verdict(FilterId{0});
+  };
+  CHECK(verdict("0") == Verdict::doubtful);
+  CHECK(verdict("0.02") == Verdict::doubtful);
+  CHECK(verdict("0.3") == Verdict::ok);
+  CHECK_THROWS_AS(verdict("-0.1"), ConfigError);
+  CHECK_THROWS_AS(verdict(R"("0.1 m/s")"), ConfigError);
 }
 
 TEST_CASE("the limits can be changed and turned off") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin gnss_range: models against measurements made from first principles, Jacobians against differences.
+#include <cmath>
+
 #include "../../plugins/gnss_range/clock_block.hpp"
 #include "../../plugins/gnss_range/clock_process.hpp"
 #include "../../plugins/gnss_range/earth_blocks.hpp"

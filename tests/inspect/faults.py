@@ -286,6 +286,7 @@ FAULTS = [
     # fields
     Fault("wz is nan", cells("imu", ["wz"], "nan", 50), "nan", "imu", ["wz"], 50, 0,
           remedies=SKIP + [unit("imu", ["wz"], missing=["nan", ""])]),
+    Fault("wy is spoilt", cells("imu", ["wy"], "1.2.3", 20), "nan", "imu", ["wy"], 20, 0, remedies=SKIP),
     Fault("vn is empty", cells("gnss", ["vn"], "", 30), "nan", "gnss", ["vn"], 30, 0,
           remedies=SKIP_FIX + [unit("gnss", ["vn"], missing=["nan", ""])]),
     Fault("fy constant", held("imu", ["fy"], 0), "constant", "imu", ["fy"],

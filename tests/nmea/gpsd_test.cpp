@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gpsd, the program of Debian that reads most receivers, reads what nmea_writer sends through a pseudo-terminal.
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <thread>
 

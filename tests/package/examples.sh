@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs a build into a scratch folder and there, as outside projects that know nothing but that, configures, builds and
-# tests the examples of the installed sdk/examples: examples.sh BUILD CMAKE CTEST
+# tests the examples of the installed sdk/examples, with their own tests in tests/examples: examples.sh BUILD CMAKE CTEST
 set -euo pipefail
 build=$1 cmake=$2 ctest=$3
 unset BINNACLE_PLUGIN_PATH CMAKE_BUILD_TYPE DESTDIR
@@ -26,6 +26,9 @@ step() {
 
 step "cmake --install" "$cmake" --install "$build" --prefix "$scratch/installed"
 cp -R "$scratch/installed/share/binnacle/sdk/examples" "$scratch/examples"
+for own in "${0%/*}"/../examples/*.cpp; do
+  cp "$own" "$scratch/examples/$(basename "$own" .cpp)/test.cpp"
+done
 export CMAKE_PREFIX_PATH=$scratch/installed
 
 for example in battery tracker sphere balloon; do

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin core: vectors, linear processes, the linear measurement.
+#include <cmath>
+
 #include "../../plugins/core/gauss_markov.hpp"
 #include "../../plugins/core/integrated.hpp"
 #include "../../plugins/core/linear.hpp"

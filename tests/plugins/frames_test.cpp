@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin frames: lever arms, mounted attitudes, turned axes.
+#include <cmath>
+
 #include "../../plugins/frames/lever_arm.hpp"
 #include "../../plugins/frames/lever_arm_velocity.hpp"
 #include "../../plugins/frames/mounted_attitude.hpp"

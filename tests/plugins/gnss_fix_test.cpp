@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin gnss_fix: residuals, Jacobians, the receiver's own standard deviations.
+#include <cmath>
+
 #include "../../plugins/gnss_fix/position_fix.hpp"
 #include "../../plugins/gnss_fix/pv_fix.hpp"
 #include "../../plugins/gnss_fix/velocity_fix.hpp"

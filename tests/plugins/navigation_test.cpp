@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin navigation: the blocks' laws.
+#include <cmath>
+
 #include "../../plugins/navigation/attitude_block.hpp"
 #include "../../plugins/navigation/position_block.hpp"
 #include "../../plugins/navigation/velocity_block.hpp"

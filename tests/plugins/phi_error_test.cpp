@@ -2,6 +2,7 @@
 // Plugin phi_error: every block of Φ and Q, samples, fragments and gaps.
 #include "../../plugins/phi_error/phi_error_process.hpp"
 
+#include <cmath>
 #include <random>
 
 #include "inertial_bench.hpp"
@@ -266,7 +267,8 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
   double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
   const auto x = test::detail::pointers(ports);
   ProcessOutput values{at, {}, {}};
-  const Result result = bench.model->propagate({step, x.data(), {}, memory.data(), {}}, values);
+  const SampleView no_statement;
+  const Result result = bench.model->propagate({step, x.data(), &no_statement, memory.data(), {}}, values);
   REQUIRE(result.refusal == Refusal::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }

@@ -5,6 +5,7 @@
 #include "../../plugins/psi_error/psi_error_process.hpp"
 #include "../../plugins/psi_error/psi_model.hpp"
 
+#include <cmath>
 #include <functional>
 
 #include "inertial_bench.hpp"
@@ -88,7 +89,8 @@ Long travel(const Bench& bench, PortStates ports, const std::vector<Step>& steps
   for (const Step& step : steps) {
     const auto x = test::detail::pointers(ports);
     ProcessOutput out{x_at.data(), Phi_at.data(), Q_at.data()};
-    const Result result = bench.model->propagate({step, x.data(), {}, memory.data(), {}}, out);
+    const SampleView no_statement;
+    const Result result = bench.model->propagate({step, x.data(), &no_statement, memory.data(), {}}, out);
     if (!result) throw std::runtime_error(result.reason);
     for (std::size_t i = 0; i < 3; ++i) ports[i].x = x_plus[i];
     if (!with_transition) continue;

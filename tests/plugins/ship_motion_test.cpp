@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin ship_motion: shaping filters, the rate gyro as input, the gyros as measurements.
+#include <cmath>
+
 #include "bind.hpp"
 #include "catch.hpp"
 #include "model_check.hpp"

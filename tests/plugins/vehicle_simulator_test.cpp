@@ -138,7 +138,8 @@ TEST_CASE("angular rate and specific force are continuous where manoeuvres meet"
   double largest_rate = 0.0, largest_force = 0.0;
   for (const double t : trajectory.joints()) {
     if (t == 0.0 || t == seconds(trajectory.duration())) continue;
-    const Inertial before = inertial(trajectory.motion(t - 1e-7)), after = inertial(trajectory.motion(t + 1e-7));
+    const Inertial before = simulation::inertial(trajectory.motion(t - 1e-7)),
+                   after = simulation::inertial(trajectory.motion(t + 1e-7));
     largest_rate = std::max(largest_rate, (after.omega_ib_b - before.omega_ib_b).norm());
     largest_force = std::max(largest_force, (after.f_b - before.f_b).norm());
   }
@@ -168,7 +169,7 @@ TEST_CASE("velocity, attitude and their derivatives belong together") {
     const Vector3d omega_in =
         strapdown::omega_ie_n(now.lla[0]) + strapdown::omega_en_n(now.lla[0], now.lla[2], now.v_n);
     const Vector3d omega_ib_b = strapdown::dcm_from_quaternion(q(now)).transpose() * (turn_n / (2 * h) + omega_in);
-    REQUIRE((inertial(now).omega_ib_b - omega_ib_b).norm() < 1e-6);
+    REQUIRE((simulation::inertial(now).omega_ib_b - omega_ib_b).norm() < 1e-6);
   }
 }
 

@@ -2,6 +2,7 @@
 // Source oxts: a folder written by the documented form; axes, signs, stamps, what is missing.
 #include "kitti/oxts_source.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>

@@ -2,6 +2,7 @@
 // Source ublox: each message by its documented places, time, what is left out and what is said of it.
 #include "ublox/ublox_source.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include "catch.hpp"

@@ -56,9 +56,16 @@ inline std::unique_ptr<Browser> browser() {
   return browser;
 }
 
+/// But for what dygraphs 2.2.1 (Debian 13) says where a plot's range leaves values out, as its buttons do on purpose.
 inline void require_quiet(const Browser& browser) {
-  for (const auto& line : browser.console()) FAIL_CHECK(line);
-  REQUIRE(browser.console().empty());
+  bool is_quiet = true;
+  for (const auto& line : browser.console()) {
+    if (line.find(" points out of X bounds:") != line.npos || line.find(" points out of Y bounds:") != line.npos)
+      continue;
+    FAIL_CHECK(line);
+    is_quiet = false;
+  }
+  REQUIRE(is_quiet);
 }
 
 inline void require_alone(const Browser& browser) {

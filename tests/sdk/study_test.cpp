@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "chi_squared/chi_squared.hpp"
 #include "command.hpp"
 #include "drive_study.hpp"
 #include "study/statistics.hpp"
@@ -79,10 +80,10 @@ TEST_CASE("statistics over runs and their standard errors are those of a hand ca
 }
 
 TEST_CASE("the band of a mean of chi-squared values is that of the tables") {
-  const auto one = study::chi_squared_band(3, 1, 0.99);
+  const auto one = binnacle::chi_squared_band(3, 1, 0.99);
   CHECK(near(one.first, 0.0717, 1e-4));
   CHECK(near(one.second, 12.838, 1e-3));
-  const auto hundred = study::chi_squared_band(1, 100, 0.99);
+  const auto hundred = binnacle::chi_squared_band(1, 100, 0.99);
   CHECK(near(hundred.first, 0.67328, 1e-4));
   CHECK(near(hundred.second, 1.40169, 1e-4));
 }

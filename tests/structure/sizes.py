@@ -19,7 +19,7 @@ OWN = ("kernel", "plugins", "sdk", "tests", "configs")
 NOT_OWN = {"build", ".git", ".cache"}
 CPP, PYTHON, JAVASCRIPT = {".cpp", ".hpp", ".h", ".inc"}, {".py"}, {".js"}
 # Public helpers beside the kernel's own headers.
-HELPERS = {"jacobian.hpp", "geodesy.hpp", "random.hpp"}
+HELPERS = {"jacobian.hpp", "geodesy.hpp", "local_axes.hpp", "random.hpp"}
 
 
 def blanked(text):

@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -27,14 +28,16 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 /// NAME.csv of fixes, NAME-truth.csv of the place.
 void simulate(const Workbench& bench, const std::string& name, unsigned seed, bool has_outliers = false,
-              double tau = std::numeric_limits<double>::infinity()) {
+              double tau = std::numeric_limits<double>::infinity(), int period_of_outliers = 20) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::string fixes = "t,place\n", truth = fixes;
   const double keeps = std::exp(-1 / tau);
   double place = 0;
   for (int k = 0; k < 400; ++k) {
-    const double noise = has_outliers && k % 20 == 7 ? 20 * (k % 40 < 20 ? 1 : -1) : true_sigma * normal(random);
+    const double noise = has_outliers && k % period_of_outliers == 7 % period_of_outliers
+                             ? 20 * (k % (2 * period_of_outliers) < period_of_outliers ? 1 : -1)
+                             : true_sigma * normal(random);
     const double step = std::isfinite(tau) ? 2 * std::sqrt(1 - keeps * keeps) : true_q;
     place = keeps * place + step * normal(random);
     fixes += std::to_string(k) + "," + std::to_string(place + noise) + "\n";
@@ -177,6 +180,43 @@ TEST_CASE("refusing data does not pass for likelihood") {
   CHECK(result.at("rounds").back().at("gates") == "as configured");
   CHECK(result.at("rounds").back().at("refused").get<int>() >= 20);
   CHECK(result.at("rounds").back().at("samples").get<int>() >= 370);
+  // The start accepts the third of the rows that suits it, and finds them likelier.
+  const json& likelihood = result.at("judged").at("used").at("likelihood");
+  CHECK(likelihood.at("end").get<double>() < likelihood.at("start").get<double>() - 2);
+  CHECK(result.at("lowered") == false);
+}
+
+// A ninth of the fixes are outliers, which the gate refuses: the rounds go without gates, and take them for noise.
+TEST_CASE("values that lower the likelihood are not written without --force") {
+  const Workbench bench;
+  simulate(bench, "a", 5, true, std::numeric_limits<double>::infinity(), 9);
+  json gated = config();
+  json& filter = gated["filters"]["walk"];
+  filter["measurements"]["seen"]["gate"] = 0.999;
+  filter["measurements"]["seen"]["sigma"] = {"0.3 m"};
+  filter["process"]["wander"]["q"] = "0.5 m/sqrt(s)";
+  const json result = tuned(bench, gated, {"--write", "patch.json"}, 1);
+  CHECK(result.at("lowered") == true);
+  const json& likelihood = result.at("judged").at("used").at("likelihood");
+  CHECK(likelihood.at("end").get<double>() < likelihood.at("start").get<double>() - 2);
+  CHECK_FALSE(std::filesystem::exists(bench.path("patch.json")));
+  const auto outcome = binnacle::test::binnacle(bench, {"tune", "c.json", "--quiet"});
+  CHECK(outcome.status == 1);
+  CHECK(has(outcome.err, "lower the ln likelihood of the "));
+  CHECK(has(outcome.err, "--force writes it"));
+  CHECK(tuned(bench, gated, {"--write", "patch.json", "--force"}).at("lowered") == true);
+  CHECK(std::filesystem::exists(bench.path("patch.json")));
+}
+
+TEST_CASE("a start that was as good is said to be") {
+  const Workbench bench;
+  simulate(bench, "a", 1);
+  json good = config();
+  good["filters"]["walk"]["measurements"]["seen"]["sigma"] = {"0.3 m"};
+  good["filters"]["walk"]["process"]["wander"]["q"] = "0.5 m/sqrt(s)";
+  CHECK(tuned(bench, good).at("lowered") == false);
+  const auto outcome = binnacle::test::binnacle(bench, {"tune", "c.json"});
+  CHECK(has(outcome.out, "determined; the start was as good"));
 }
 
 TEST_CASE("what is no noise is tuned by differences of runs, with refused samples frozen") {

@@ -124,7 +124,9 @@ TEST_CASE("rows that are left out are counted by key and group, and a new one ta
   const std::int64_t keys[] = {7, 9, 7};
   const int groups[] = {0, 0, 0};
   f.ledger.open(0, 0);
-  f.ledger.leave_out(keys, groups);
+  const double zeros[3] = {};
+  const ConstMatrixView none{zeros, 3, 3, 0};
+  f.ledger.leave_out({keys, groups, zeros, none, none});
   CHECK(f.ledger.tally(0).rows_left_out == 3);
   CHECK(f.ledger.rows(0)[0].key == 7);
   CHECK(f.ledger.rows(0)[0].left_out == 2);
@@ -133,7 +135,7 @@ TEST_CASE("rows that are left out are counted by key and group, and a new one ta
   f.ledger.close(Outcome::accepted, "");
   f.ledger.open(0, 1);
   const std::int64_t later[] = {9, 11};
-  f.ledger.leave_out(later, groups);
+  f.ledger.leave_out({later, groups, zeros, none, none});
   CHECK(f.ledger.rows(0)[0].key == 11);
   CHECK(f.ledger.rows(0)[0].left_out == 1);
   CHECK(f.ledger.rows(0)[1].left_out == 2);

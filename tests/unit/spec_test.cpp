@@ -32,12 +32,7 @@ std::vector<ParameterSpec> gauss_markov() {
           parameter::choice("form", {"first", "second"}).defaults("\"first\"")};
 }
 
-PortUnits port_x(const std::string& unit, int dof) {
-  return [=](std::string_view port) -> std::optional<PortMeasure> {
-    if (port != "x") return std::nullopt;
-    return PortMeasure{parse_unit(unit)->dimension, dof};
-  };
-}
+PortUnits port_x(const std::string& unit, int dof) { return {{"x", PortMeasure{parse_unit(unit)->dimension, dof}}}; }
 
 struct Checked {
   ParameterValue value;

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -38,7 +38,7 @@ struct PortMeasure {
 };
 
 /// By port name; nothing for an unknown or open port. Then any unit and length is let through.
-using PortUnits = std::function<std::optional<PortMeasure>(std::string_view port)>;
+using PortUnits = std::map<std::string, PortMeasure, std::less<>>;
 
 /// Keys that had another name in an earlier version: the former, and what it is called now.
 using RenamedKeys = std::vector<std::pair<std::string, std::string>>;
@@ -83,10 +83,10 @@ class Reader {
   std::vector<Reader> elements(std::string_view what) const;
 
   /// B012 for every key of the object that is not allowed: `unknown key of 'evaluate'; did you mean 'after'?`, with
-  /// `detail` on the key that was meant. Returns the keys that were meant.
+  /// what `detail` has for the key that was meant. Returns the keys that were meant.
   std::set<std::string> check_keys(const std::vector<std::string>& allowed, std::string_view what,
                                    const RenamedKeys& renamed = {},
-                                   const std::function<std::string(const std::string&)>& detail = {}) const;
+                                   const std::map<std::string, std::string>& detail = {}) const;
   /// B010 unless the object has the key: `missing key 'channel' of 'fix': name of a channel`. `what` is the name alone.
   bool require(std::string_view key, std::string_view what, std::string_view expected) const;
 
@@ -104,8 +104,8 @@ class Reader {
   std::optional<std::string> text() const;
   std::optional<std::string> path() const;
   std::optional<bool> boolean() const;
-  /// A duration or a channel's instant: "20 ms" or seconds.
-  std::optional<Time> time() const;
+  /// A duration or a channel's instant: "20 ms" or seconds, at most 146 years from zero.
+  std::optional<Time> time(const ParameterSpec& spec = parameter::time("")) const;
   /// One name or a list of names.
   std::optional<std::vector<std::string>> names() const;
   std::optional<When> when() const;

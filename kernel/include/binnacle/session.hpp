@@ -142,10 +142,10 @@ class Session {
 
   /// Whether its estimates hold so far, by the limits of its "trust"; `ok` before started(). Allocates nothing.
   Verdict verdict(FilterId filter) const;
-  /// Why it is not `ok`: writes as many reasons as there is room for, returns how many there are. Allocates nothing.
+  /// Why it is not `ok`, and notes: writes as many as there is room for, returns how many there are. Allocates nothing.
   std::size_t reasons(FilterId filter, std::span<TrustReason> into) const;
-  /// The same reasons in the same order as warnings (B100 and following), with their places in the config.
-  Diagnostics doubts(FilterId filter) const;
+  /// The same reasons in the same order, without notes unless `least` is ok, as warnings (B100 and following) with their places.
+  Diagnostics doubts(FilterId filter, Verdict least = Verdict::doubtful) const;
 
   MeasurementCounts counts(MeasurementId measurement) const;
   FilterCounts counts(FilterId filter) const;

@@ -2,7 +2,6 @@
 // Time: signed nanoseconds on one clock per run.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -18,8 +17,11 @@ inline constexpr Time nanoseconds_per_second = 1'000'000'000;
 /// Seconds in a duration [s].
 constexpr double seconds(Time duration) noexcept { return static_cast<double>(duration) * 1e-9; }
 
-/// The nearest nanosecond to a number of seconds. |s| must be below 9.2e9.
-inline Time nanoseconds(double s) noexcept { return static_cast<Time>(std::llround(s * 1e9)); }
+/// The nearest nanosecond to a number of seconds, halves away from zero. |s| must be below 9.2e9.
+constexpr Time nanoseconds(double s) noexcept {
+  const double exact = s * 1e9, rest = exact - static_cast<double>(static_cast<Time>(exact));
+  return static_cast<Time>(exact) + (rest >= 0.5) - (rest <= -0.5);
+}
 
 /// An instant: of the channels' clock, or counted from a filter's start ("start+60 s").
 struct When {

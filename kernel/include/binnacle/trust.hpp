@@ -24,7 +24,8 @@ enum class Doubt : unsigned char {
   nis,             ///< NIS over its rows, the mean of a window; `limit`: what noise as assumed would not exceed
   bias,            ///< mean of z = r / √S over a window; `limit` as above
   correlation,     ///< mean of z_k z_{k−1} over a window; `limit` as above
-  recovered,       ///< the covariance was opened `figure` times since samples kept being refused
+  recovered,  ///< the covariance was opened `figure` times since samples kept being refused; `limit` times for samples
+              ///< beyond 5 sigma that no other measurement confirms
   was_locked_out,  ///< refused `figure` times in a row, at least `limit`; it passes again
   bridged,         ///< the longest hole in the driving input [s], longer than `limit`
   frozen,     ///< the longest time that the driving input repeated itself to the bit [s], longer than `limit`; or of a
@@ -38,10 +39,11 @@ enum class Doubt : unsigned char {
   lagging,      ///< live estimates were up to `figure` s behind what had arrived, longer than the history, `limit`
   indefinite,  ///< of component `key` (a row of P) the share `figure` of its variance is left once the others are known,
                ///< less than −`limit`: a correlation beyond one, or another P that is no covariance
+  scattered,   ///< a row scatters by `figure`, and claims the standard deviation `limit`; R of it was increased
   unresolved,  ///< an update saw `figure` times the variance of its noise, more than the digits of P resolve: `limit`
 };
 
-/// One reason against a filter's estimates.
+/// One reason against a filter's estimates; with the verdict `ok` a note: what happened did them no harm.
 struct TrustReason {
   Doubt doubt = Doubt::locked_out;
   Verdict verdict = Verdict::doubtful;

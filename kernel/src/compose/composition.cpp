@@ -52,15 +52,14 @@ Component Composer::read_component(Role role, const Reader& at, const std::vecto
   const ComponentSpec& spec = component.spec();
   component.fields_bound.assign(spec.fields.size(), false);
   if (filter) filter->bind_ports(component);
-  const auto port_units = [&](std::string_view port) -> std::optional<PortMeasure> {
-    const int index = index_of(component.ports, port, &PortBinding::name);
-    if (index < 0 || component.ports[as_size(index)].components.empty()) return std::nullopt;
-    const PortBinding& binding = component.ports[as_size(index)];
+  PortUnits port_units;
+  for (const PortBinding& binding : component.ports) {
+    if (binding.components.empty()) continue;
     const std::string& text = binding.components.front().unit;
     const auto unit = parse_unit(text);
     const bool is_uniform = std::ranges::all_of(binding.components, [&](const auto& c) { return c.unit == text; });
-    return unit && is_uniform ? std::optional(PortMeasure{unit->dimension, binding.dof}) : std::nullopt;
-  };
+    if (unit && is_uniform) port_units.emplace(binding.name, PortMeasure{unit->dimension, binding.dof});
+  }
   auto keys = reserved;
   if (role == Role::process_model && !spec.inputs.empty()) keys.push_back("inputs");
   component.parameters = at.parameters(spec.parameters, spec.type, keys, port_units);

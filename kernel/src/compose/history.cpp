@@ -70,7 +70,7 @@ std::optional<LatencyPlan> read_latency(const Reader& at, const std::vector<Chan
   }
   if (const Reader period = at["batch"]) {
     latency.kind = LatencyPlan::Kind::batch;
-    latency.first = period.number(parameter::number("", "s").at_least(1e-3)).value_or(1.0);
+    latency.first = period.number(parameter::number("", "s").at_least(1e-3).at_most(1e9)).value_or(1.0);
   }
   return latency;
 }
@@ -81,12 +81,12 @@ void FilterComposer::read_history(const ChannelDeclaration& estimates) {
   const bool has_budget = history.is_object();
   if (has_budget) history.check_keys({"length", "steps"}, "'history'");
   if (has_budget && !history.require("length", "history", "how late a sample may be")) return;
-  const auto length = (has_budget ? history["length"] : history).number(parameter::number("history", "s").above(0));
+  const auto length = (has_budget ? history["length"] : history).time(parameter::time("history").above(0));
   if (!length) return;
   // With 1 it could never catch up: each arrival brings an instant.
   if (has_budget && history["steps"])
     plan.history_steps = history["steps"].integer(parameter::integer("steps").at_least(2)).value_or(0);
-  plan.history = nanoseconds(*length);
+  plan.history = *length;
   ChannelDeclaration settled = estimates;
   settled.name = "settled";
   plan.settled_channel = composer.add_channels(at, {settled}).front();

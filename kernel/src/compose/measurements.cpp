@@ -11,6 +11,8 @@ namespace binnacle::internal::compose {
 
 namespace {
 
+const std::vector<std::string> part_keys = {"type", "blocks", "fields", "inputs", "systematic"};
+
 /// One measurement on its way from JSON to plan.
 class MeasurementComposer {
  public:
@@ -45,14 +47,14 @@ class MeasurementComposer {
     std::vector<std::string> allowed{"channel", "noise", "gate", "recover", "withhold", "update"};
     const Reader stack = at_["stack"];
     if (!stack) {
-      for (const char* key : {"type", "blocks", "fields", "inputs"}) allowed.emplace_back(key);
+      allowed.insert(allowed.end(), part_keys.begin(), part_keys.end());
       return add_part(at_, allowed);
     }
     allowed.emplace_back("stack");
     at_.check_keys(allowed, "stack '" + plan_.name + "'");
     const auto parts = stack.members("'stack'");
     if (parts.empty() && stack.is_object()) stack.error("B010", "the stack '" + plan_.name + "' is empty");
-    for (const Reader& part : parts) add_part(part, {"type", "blocks", "fields", "inputs"});
+    for (const Reader& part : parts) add_part(part, part_keys);
   }
 
   void add_part(const Reader& at, const std::vector<std::string>& reserved) {
@@ -72,7 +74,23 @@ class MeasurementComposer {
     part.model = composer_.make<MeasurementModel>(component);
     if (!part.model || !reserve_reads(part, component)) return;
     plan_.max_rows += part.model->declaration().max_rows;
+    add_groups(part, at["systematic"]);
     plan_.parts.push_back(std::move(part));
+  }
+
+  /// A mean of its rows that is no reason against the estimates, in their unit.
+  void add_groups(const PartPlan& part, const Reader& systematic) {
+    const auto add = [&](const std::string& unit) {
+      plan_.systematic.push_back(systematic.number(parameter::number("systematic", unit).at_least(0)).value_or(0.0));
+    };
+    const auto& groups = part.model->declaration().groups;
+    for (const auto& group : groups) add(unit_of(part, group));
+    if (groups.empty()) add("1");
+  }
+
+  std::string unit_of(const PartPlan& part, const ResidualGroup& group) const {
+    const bool is_ports = group.unit.empty() && group.port >= 0;
+    return is_ports ? filter_.values[as_size(part.ports[as_size(group.port)])].components.front().unit : group.unit;
   }
 
   bool reserve_reads(PartPlan& part, const Component& component) {
@@ -147,12 +165,9 @@ class MeasurementComposer {
     binding.max_rows = plan_.max_rows;
     for (const auto& part : plan_.parts) {
       const auto& declaration = part.model->declaration();
-      for (const auto& group : declaration.groups) {
-        const std::string& unit = group.unit.empty() && group.port >= 0
-                                      ? filter_.values[as_size(part.ports[as_size(group.port)])].components.front().unit
-                                      : group.unit;
-        binding.groups.push_back({plan_.parts.size() > 1 ? part.name + "." + group.name : group.name, unit});
-      }
+      for (const auto& group : declaration.groups)
+        binding.groups.push_back(
+            {plan_.parts.size() > 1 ? part.name + "." + group.name : group.name, unit_of(part, group)});
       if (declaration.groups.empty()) binding.groups.push_back({part.name, ""});
     }
     plan_.noise_type = component.type->full_name();
@@ -168,8 +183,9 @@ class MeasurementComposer {
       return;
     }
     if (!recover.is_object("'recover'")) return;
-    recover.check_keys({"after", "against", "inflate"}, "'recover'");
+    recover.check_keys({"after", "against", "inflate", "widen"}, "'recover'");
     if (plan_.gate <= 0) recover.error("B010", "'recover' needs a 'gate': without one no sample is ever gated");
+    plan_.widens = recover["widen"].boolean().value_or(false);
     const auto after = recover["after"].integer(parameter::integer("after").at_least(1));
     plan_.recover_after = static_cast<int>(after.value_or(plan_.recover_after));
     plan_.recover_against = recover["against"].time().value_or(plan_.recover_against);

@@ -12,12 +12,8 @@ bool is_off(const Reader& at) { return at && config::JsonOf::at(at) == false; }
 
 /// Reads a limit; `false` turns its monitor off, which is 0 in the plan.
 void read_limit(const Reader& trust, const ParameterSpec& spec, double& limit) {
-  const Reader at = trust[spec.name];
-  if (!at) return;
-  limit = is_off(at) ? 0.0 : at.number(spec).value_or(limit);
+  limit = is_off(trust[spec.name]) ? 0.0 : trust[spec.name].number(spec).value_or(limit);
 }
-
-void read_switch(const Reader& at, bool& is_on) { is_on = at.boolean().value_or(is_on); }
 
 }  // namespace
 
@@ -38,20 +34,15 @@ void FilterComposer::read_trust() {
   read_limit(trust, parameter::number("false_alarm", "1").above(0).below(1), limits.false_alarm);
   read_limit(trust, parameter::number("beyond_reason", "1").above(1), limits.nis);
   read_limit(trust, parameter::number("refused", "1").above(0).below(1), limits.refused);
-  read_switch(trust["nis"], limits.tests_nis);
-  read_switch(trust["bias"], limits.tests_bias);
-  read_switch(trust["correlation"], limits.tests_correlation);
+  for (const auto& [name, is_on] :
+       {std::pair{"nis", &limits.tests_nis}, {"bias", &limits.tests_bias}, {"correlation", &limits.tests_correlation}})
+    *is_on = trust[name].boolean().value_or(*is_on);
   double after = static_cast<double>(limits.after);
   read_limit(trust, parameter::number("after", "1").at_least(1), after);
   limits.after = static_cast<std::int64_t>(after);
-  const auto read_time = [&](const char* name, Time& limit) {
-    double length = seconds(limit);
-    read_limit(trust, parameter::number(name, "s").above(0), length);
-    limit = nanoseconds(length);
-  };
-  read_time("hole", limits.hole);
-  read_time("frozen", limits.frozen);
-  read_time("silent", limits.silent);
+  for (const auto& [name, limit] :
+       {std::pair{"hole", &limits.hole}, {"frozen", &limits.frozen}, {"silent", &limits.silent}})
+    *limit = is_off(trust[name]) ? 0 : trust[name].time(parameter::time(name).above(0)).value_or(*limit);
   const Reader except = trust["except"];
   for (const auto& name : except.names().value_or(std::vector<std::string>())) {
     const auto found = std::ranges::find(plan.measurements, name, &MeasurementPlan::name);

@@ -49,29 +49,18 @@ constexpr Dimension dimension(int m, int s, int rad = 0, int kg = 0, int kelvin 
 constexpr long double pi = std::numbers::pi_v<long double>;
 constexpr long double standard_gravity = 9.80665L;  // m/s^2, 3rd CGPM (1901)
 
+// clang-format off
 constexpr KnownUnit named_units[] = {
-    {"1", {1.0L, {}}},
-    {"%", {1e-2L, {}}},
-    {"ppm", {1e-6L, {}}},
-    {"ppb", {1e-9L, {}}},
-    {"m", {1.0L, dimension(1, 0)}, "numck", "a length"},
-    {"s", {1.0L, dimension(0, 1)}, "num", "a time"},
-    {"min", {60.0L, dimension(0, 1)}},
-    {"h", {3600.0L, dimension(0, 1)}},
-    {"day", {86400.0L, dimension(0, 1)}},
+    {"1", {1.0L, {}}}, {"%", {1e-2L, {}}}, {"ppm", {1e-6L, {}}}, {"ppb", {1e-9L, {}}},
+    {"m", {1.0L, dimension(1, 0)}, "numck", "a length"}, {"s", {1.0L, dimension(0, 1)}, "num", "a time"},
+    {"min", {60.0L, dimension(0, 1)}}, {"h", {3600.0L, dimension(0, 1)}}, {"day", {86400.0L, dimension(0, 1)}},
     {"Hz", {1.0L, dimension(0, -1)}, "mkMG", "a frequency or rate"},
-    {"rad", {1.0L, dimension(0, 0, 1)}, "num", "an angle"},
-    {"deg", {pi / 180.0L, dimension(0, 0, 1)}, "um"},
-    {"arcmin", {pi / 10800.0L, dimension(0, 0, 1)}},
-    {"arcsec", {pi / 648000.0L, dimension(0, 0, 1)}, "um"},
-    {"mil", {pi / 3200.0L, dimension(0, 0, 1)}},
-    {"gon", {pi / 200.0L, dimension(0, 0, 1)}, "m"},
-    {"g", {standard_gravity, dimension(1, -2)}, "num", "an acceleration"},
-    {"Gal", {1e-2L, dimension(1, -2)}, "um"},
-    {"kn", {1852.0L / 3600.0L, dimension(1, -1)}, "", "a velocity"},
-    {"nmi", {1852.0L, dimension(1, 0)}},
-    {"ft", {0.3048L, dimension(1, 0)}},
-    {"kg", {1.0L, dimension(0, 0, 0, 1)}, "", "a mass"},
+    {"rad", {1.0L, dimension(0, 0, 1)}, "num", "an angle"}, {"deg", {pi / 180.0L, dimension(0, 0, 1)}, "um"},
+    {"arcmin", {pi / 10800.0L, dimension(0, 0, 1)}}, {"arcsec", {pi / 648000.0L, dimension(0, 0, 1)}, "um"},
+    {"mil", {pi / 3200.0L, dimension(0, 0, 1)}}, {"gon", {pi / 200.0L, dimension(0, 0, 1)}, "m"},
+    {"g", {standard_gravity, dimension(1, -2)}, "num", "an acceleration"}, {"Gal", {1e-2L, dimension(1, -2)}, "um"},
+    {"kn", {1852.0L / 3600.0L, dimension(1, -1)}, "", "a velocity"}, {"nmi", {1852.0L, dimension(1, 0)}},
+    {"ft", {0.3048L, dimension(1, 0)}}, {"kg", {1.0L, dimension(0, 0, 0, 1)}, "", "a mass"},
     {"K", {1.0L, dimension(0, 0, 0, 0, 1)}, "um", "a temperature"},
     {"A", {1.0L, dimension(0, 0, 0, 0, 0, 1)}, "numk", "a current"},
     {"N", {1.0L, dimension(1, -2, 0, 1)}, "umk", "a force"},
@@ -79,6 +68,7 @@ constexpr KnownUnit named_units[] = {
     {"T", {1.0L, dimension(0, -2, 0, 1, 0, -1)}, "num", "a magnetic flux density"},
     {"V", {1.0L, dimension(2, -3, 0, 1, 0, -1)}, "numk", "a voltage"},
 };
+// clang-format on
 
 /// Spellings that are common elsewhere and that a search by edits would miss.
 constexpr std::pair<std::string_view, std::string_view> other_spellings[] = {
@@ -90,7 +80,7 @@ constexpr std::pair<std::string_view, std::string_view> other_spellings[] = {
     {"kmh", "km/h"},      {"kph", "km/h"},     {"knot", "kn"},     {"knots", "kn"},         {"kt", "kn"},
     {"kts", "kn"},        {"dps", "deg/s"},    {"dph", "deg/h"},   {"feet", "ft"},          {"foot", "ft"},
     {"mil_nato", "mil"},  {"mbar", "hPa"},     {"percent", "%"},   {"arcminute", "arcmin"}, {"arcsecond", "arcsec"},
-    {"rtHz", "sqrt(Hz)"}, {"rthr", "sqrt(h)"}, {"rth", "sqrt(h)"},
+    {"rtHz", "sqrt(Hz)"}, {"rthr", "sqrt(h)"}, {"rth", "sqrt(h)"}, {"mps2", "m/s^2"},
 };
 
 constexpr std::pair<char, long double> prefixes[] = {{'n', 1e-9L}, {'u', 1e-6L}, {'m', 1e-3L}, {'c', 1e-2L},

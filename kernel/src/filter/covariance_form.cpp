@@ -7,8 +7,7 @@
 
 #include "base/index.hpp"
 #include "filter/covariance.hpp"
-#include "filter/square_root.hpp"
-#include "filter/ud.hpp"
+#include "filter/factored_form.hpp"
 
 namespace binnacle::internal::filter {
 

@@ -38,9 +38,7 @@ struct LockedOut {
               auto& its = *static_cast<LockedOut*>(self);
               if (its.repeats && !std::exchange(its.is_asked, true)) its.ledger.count_repeat(its.measurement, its.t);
               if (its.repeats) return false;
-              its.belief = its.ledger.is_locked_out(
-                  its.measurement, {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.square(rows.HPHt)},
-                  marked);
+              its.belief = its.ledger.is_locked_out(its.measurement, rows.offered(), marked);
               return its.belief != Belief::none;
             }};
   }
@@ -81,8 +79,6 @@ void Engine::rewound() {
 void Engine::keep_latest(const LatestPlan& plan, const SampleView& sample) {
   *plan.head.in(arena_) = pack(channels_[as_size(plan.channel)], sample, plan.data.in(arena_));
 }
-
-// ---- what throws
 
 template <class Act>
 void Engine::guarded(Act&& act) {
@@ -224,8 +220,6 @@ void Engine::look_for_lost_digits(int measurement, Time t) {
   }
 }
 
-// ---- a sample
-
 void Engine::refuse(Outcome outcome, const char* reason) {
   UpdateRecord record;
   record.x0 = state();
@@ -251,7 +245,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   const bool follows = follow();
-  const Result seen = estimator_.linearize(plan, sample, moment(), follows);
+  const Result seen = linearize(measurement, sample, follows);
   if (estimator_.was_linearized_instead()) ledger_.count_linearized(measurement);
   if (!seen) {
     estimator_.roll_back(plan);
@@ -262,15 +256,14 @@ void Engine::measure(int measurement, const SampleView& sample) {
   const bool withheld = follows || is_withheld(plan, tally.reached, sample.t);
   LockedOut locked_out{ledger_, measurement, sample.t, repeats};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
-  const bool is_opened = judged.is_locked_out;
-  if (is_opened) {
+  const SampleRows& rows = estimator_.rows();
+  const bool is_opened = judged.is_locked_out && locked_out.belief != Belief::by_scatter;
+  if (judged.is_locked_out) {
     // Its rows anew: some may be gone already.
-    ask_witnesses(measurement, sample.t, locked_out.belief);
-    keep_before();
-    if (estimator_.open(plan, judged.marked)) note_opening(measurement, sample.t);
-    count_recovery(measurement, sample.t, locked_out.belief);
+    if (is_opened)
+      recover(measurement, sample.t, locked_out.belief, true, [&] { return estimator_.open(plan, judged.marked); });
     estimator_.roll_back(plan);
-    if (const Result again = estimator_.linearize(plan, sample, moment()); !again) {
+    if (const Result again = linearize(measurement, sample, false); !again) {
       estimator_.roll_back(plan);
       refuse(outcome_of(again.refusal), again.reason);
       return;
@@ -288,14 +281,20 @@ void Engine::measure(int measurement, const SampleView& sample) {
     ledger_.end_silence(measurement, sample.t, estimator_.form());
     ledger_.settle(measurement, sample.t, estimator_.form());
   }
-  const SampleRows& rows = estimator_.rows();
   if (judged.outcome == Outcome::gated && !repeats) {
-    ledger_.refuse({rows.keys.data(), as_size(rows.m)}, rows.groups.data());
-    ledger_.refuse({rows.left_out_keys.data(), as_size(rows.removed)}, rows.left_out_groups.data());
+    ledger_.refuse(rows.refused());
+    ledger_.refuse(rows.left_out_rows(rows.removed));
   }
   ledger_.close(judged.outcome, judged.reason, innovation_record(plan));
   if (judged.outcome == Outcome::gated && !repeats && ledger_.is_inflation_due(measurement))
     inflate(measurement, sample.t);
+}
+
+Result Engine::linearize(int measurement, const SampleView& sample, bool follows) {
+  SampleRows& rows = estimator_.rows();
+  const Result seen = estimator_.linearize(plan_.measurements[as_size(measurement)], sample, moment(), follows);
+  if (seen) ledger_.widen_noise(measurement, rows.offered(), rows.square(rows.R_nominal.data()));
+  return seen;
 }
 
 void Engine::iterate(int measurement, const SampleView& sample) {
@@ -312,14 +311,8 @@ void Engine::correct(int measurement, Time t) {
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();
-  const bool is_biased = ledger_.use({{rows.keys.data(), as_size(rows.m)},
-                                      rows.groups.data(),
-                                      rows.innovation,
-                                      rows.square(rows.judged_R),
-                                      rows.square(rows.innovation_S)},
-                                     rows.nis);
-  if (rows.left_out > 0)
-    ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+  const bool is_biased = ledger_.use(rows.used(plan.widens ? rows.post_fit.data() : nullptr), rows.nis);
+  if (rows.left_out > 0) ledger_.leave_out(rows.left_out_rows(rows.left_out));
   ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);
@@ -332,13 +325,9 @@ void Engine::open_biased(int measurement, Time t) {
   SampleRows& rows = estimator_.rows();
   estimator_.project(plan);
   const Belief belief =
-      ledger_.is_biased(measurement, {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.square(rows.HPHt)},
-                        t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
+      ledger_.is_biased(measurement, rows.offered(), t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
   if (belief == Belief::none) return;
-  ask_witnesses(measurement, t, belief);
-  keep_before();
-  if (estimator_.open_by_mean(plan)) note_opening(measurement, t);
-  count_recovery(measurement, t, belief);
+  recover(measurement, t, belief, false, [&] { return estimator_.open_by_mean(plan); });
 }
 
 /// What was corrected after P was opened was far off.
@@ -356,19 +345,24 @@ void Engine::unlearn(int measurement, Time t) {
     ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
 }
 
-void Engine::count_recovery(int measurement, Time t, Belief belief) {
+/// A state that is wrong starts anew at once where what it would start from contradicts it, by P before it is opened.
+template <class Open>
+void Engine::recover(int measurement, Time t, Belief belief, bool is_refused, Open&& open) {
+  const bool is_contradicted = belief == Belief::by_votes && can_start(t, true) && estimator_.is_contradicted();
+  if (is_contradicted) ask_restart(measurement, t);
+  const double alone = is_refused ? estimator_.unconfirmed(is_contradicted || ledger_.is_confirmed()) : 0.0;
+  keep_before();
+  const bool is_open = open();
+  if (is_open) note_opening(measurement, t);
   if (belief == Belief::by_votes) unlearn(measurement, t);
-  const bool can_restart = std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
-  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart) ask_restart(measurement, t);
+  const bool starts_anew = ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain &&
+                           std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
+  if (starts_anew) ask_restart(measurement, t);
+  if (alone > 0 && (is_open || starts_anew)) ledger_.count_unconfirmed(measurement, alone);
 }
 
 void Engine::ask_restart(int measurement, Time t) {
   time_.ask_restart(t + plan_.measurements[as_size(measurement)].recover_against);
-}
-
-/// A state that is wrong starts anew at once where what it would start from contradicts it, by P before it is opened.
-void Engine::ask_witnesses(int measurement, Time t, Belief belief) {
-  if (belief == Belief::by_votes && can_start(t, true) && estimator_.is_contradicted()) ask_restart(measurement, t);
 }
 
 void Engine::note_opening(int measurement, Time t) {
@@ -394,8 +388,6 @@ bool Engine::write_estimates(SampleWriter& slot, Time t, const double* x, ConstM
   guarded([&] { estimator_.write(slot, x, P); });
   return !broken();
 }
-
-// ---- records of what the observer wants and no more
 
 void Engine::attach(StepObservers observers) {
   observers_ = observers;

@@ -91,10 +91,11 @@ class Engine final : private TimeLine::Work {
   void open_biased(int measurement, Time t);
   void keep_open(int measurement, Time t);
   void unlearn(int measurement, Time t);
-  void count_recovery(int measurement, Time t, Belief belief);
+  Result linearize(int measurement, const SampleView& sample, bool follows);
+  template <class Open>
+  void recover(int measurement, Time t, Belief belief, bool is_refused, Open&& open);
   void ask_restart(int measurement, Time t);
   bool follow();
-  void ask_witnesses(int measurement, Time t, Belief belief);
   void note_opening(int measurement, Time t);
   void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);

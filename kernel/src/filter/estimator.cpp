@@ -81,7 +81,6 @@ void Estimator::allocate() {
   block_delta_.resize(most_dof);
   block_jacobian_.resize(most_dof * most_dof);
   resets_.reserve(plan_.blocks.size());
-  post_fit_.resize(as_size(plan_.max_rows));
   using enum UpdatePlan::Type;
   const auto any = [&](UpdatePlan::Type type) {
     return std::ranges::any_of(plan_.measurements, [&](const auto& its) { return its.update.type == type; });
@@ -124,8 +123,6 @@ void Estimator::list_scalings(const ProcessPlan& process) {
         {next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.stored_size});
   }
 }
-
-// ---- the start
 
 void Estimator::reset() {
   std::fill_n(x(), plan_.stored_size, 0.0);
@@ -225,8 +222,6 @@ void Estimator::start_covariance(const BlockPlan& block, bool anew, MatrixView P
 void Estimator::inflate(const MeasurementPlan& measurement) {
   for (const auto& inflation : measurement.inflations) P_->inflate(inflation.row, inflation.variance);
 }
-
-// ---- health
 
 /// "velocity.x"
 std::string Estimator::component_name(int row) const {

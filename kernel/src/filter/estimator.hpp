@@ -34,6 +34,16 @@ struct SampleRows : UpdateWork {
   void list_left_out(const unsigned char* marked);
   void remove(const unsigned char* marked, int columns, int n);
   MatrixView square(double* matrix) const { return {matrix, m, m, m_max}; }
+  OfferedRows offered() const { return {{keys.data(), std::size_t(m)}, groups.data(), square(HPHt)}; }
+  UsedRows used(const double* its_post_fit) const {
+    return {offered().keys, groups.data(), innovation, square(judged_R), square(innovation_S), its_post_fit};
+  }
+  UsedRows refused() const { return {offered().keys, groups.data(), r, square(R)}; }
+  /// The first of those left out; of R the diagonal alone.
+  UsedRows left_out_rows(int count) const {
+    const ConstMatrixView diagonal{left_out_R.data(), count, count, 0};
+    return {{left_out_keys.data(), std::size_t(count)}, left_out_groups.data(), left_out_r.data(), diagonal};
+  }
   /// S as it is now stays what the sample was judged by.
   void keep_judged();
 
@@ -50,6 +60,7 @@ struct SampleRows : UpdateWork {
   std::vector<double> mean_z, mean_count;
   std::vector<std::int64_t> keys, left_out_keys;
   std::vector<int> groups, left_out_groups;
+  std::vector<double> left_out_r, left_out_R, post_fit;  // post_fit: r − H δ, where it is wanted
 
  private:
   base::AlignedVector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_;
@@ -218,6 +229,8 @@ class Estimator {
   bool has_reset() const { return !resets_.empty(); }
   void expand_reset(MatrixView T) const;
 
+  /// How many sigma the judged sample is off, beyond 5, where nothing confirms it; else 0. recovery.cpp
+  double unconfirmed(bool is_confirmed) const;
   /// P ← D P D along what the marked rows of the judged sample see; false where that cannot be. recovery.cpp
   bool open(const MeasurementPlan& measurement, const unsigned char* marked);
   /// The same for rows that passed, by the means that `rows` holds of them; needs their projection by P as it is now.
@@ -279,7 +292,25 @@ class Estimator {
     std::vector<const GatherPlan*> summed;
   };
   enum class Jacobians : unsigned char { none, wanted };
-  class Elsewhere;
+  /// While it lives, models read another state, by `read`, and leave no notes. The arena never holds any but the estimate.
+  template <class Read>
+  class Elsewhere {
+   public:
+    Elsewhere(Estimator& its, const double* x, Read read) : its_(its), read_(read) {
+      read_(x);
+      its_.calls_.is_muted = true;
+    }
+    Elsewhere(const Elsewhere&) = delete;
+    Elsewhere& operator=(const Elsewhere&) = delete;
+    ~Elsewhere() {
+      read_(its_.state());
+      its_.calls_.is_muted = false;
+    }
+
+   private:
+    Estimator& its_;
+    Read read_;
+  };
   struct Reset {
     int first = 0;
     int dof = 0;
@@ -342,7 +373,6 @@ class Estimator {
     std::vector<double> next, e, deltas, moved;  // x⁺ of each point, by columns; e; of one block by columns, their mean
     std::vector<double> Phi, Omega;              // Φ of the models; Ω
   };
-  class AtPoint;
   void regress_step(const Driving& now, const Step& step, std::span<const InputSample> samples, bool is_nominal);
   bool run_points(const Driving& now, const Step& step, std::span<const InputSample> samples);
   bool advance_point(int point, const Driving& now, const Step& step, std::span<const InputSample> samples);
@@ -415,7 +445,7 @@ class Estimator {
   std::vector<SampleView> auxiliary_samples_;
   std::vector<InputSample> samples_;
   std::vector<double> block_delta_, block_jacobian_, outputs_;  // of one block
-  std::vector<double> initial_P_, reset_jacobians_, post_fit_;
+  std::vector<double> initial_P_, reset_jacobians_;
   std::vector<Reset> resets_;
   std::vector<std::byte> memory_backup_, noise_backup_;  // of a measurement's models and noise estimator
   std::unique_ptr<SigmaStep> sigma_;                     // null: propagation by Jacobians

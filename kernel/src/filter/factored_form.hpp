@@ -89,4 +89,30 @@ class FactoredForm : public CovarianceForm {
   mutable std::vector<double> sums_;
 };
 
+/// P = U D Uᵀ, U unit upper triangular, D behind it. A variance of zero is a zero in D, and no square root is ever taken.
+class Ud final : public FactoredForm {
+ public:
+  Ud(const TransitionPlan& plan, int max_rows, double* memory)
+      : FactoredForm(plan, CovarianceKind::ud, max_rows, memory) {}
+
+ private:
+  const double* weights(const double* memory) const override { return column_at(memory, ld_, n_); }
+  void put(int j, const double* x, double w) override;
+  void eliminate(int j, int x, std::span<const int> others) override;
+  double update(double* memory, const double* f, double r, double* k) const override;
+};
+
+/// P = S Sᵀ, S upper triangular, its diagonal not negative.
+class SquareRoot final : public FactoredForm {
+ public:
+  SquareRoot(const TransitionPlan& plan, int max_rows, double* memory)
+      : FactoredForm(plan, CovarianceKind::square_root, max_rows, memory) {}
+
+ private:
+  const double* weights(const double*) const override { return nullptr; }
+  void put(int j, const double* x, double w) override;
+  void eliminate(int j, int x, std::span<const int> others) override;
+  double update(double* memory, const double* f, double r, double* k) const override;
+};
+
 }  // namespace binnacle::internal::filter

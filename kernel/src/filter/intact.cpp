@@ -83,15 +83,15 @@ bool are_intact(std::initializer_list<Extreme> extremes) {
 }
 
 bool is_intact(const Tally& tally) {
-  const std::int64_t uses =
-      tally.by_outcome[static_cast<int>(Outcome::accepted)] + tally.by_outcome[static_cast<int>(Outcome::withheld)];
+  const auto count = [&](Outcome outcome) { return tally.by_outcome[static_cast<int>(outcome)]; };
+  const std::int64_t uses = count(Outcome::accepted) + count(Outcome::withheld);
   return all_of(tally.by_outcome, is_count) &&
          are_counts({tally.offered, tally.before_start, tally.recoveries, tally.rows_left_out, tally.rows_used,
                      tally.nis_count, tally.replayed, tally.iterated, tally.iterations, tally.not_converged,
                      tally.linearized, tally.reached, tally.recoveries_in_vain, tally.changes, tally.repeated,
-                     tally.believable}) &&
+                     tally.believable, tally.is_widened, tally.absurd, tally.unconfirmed}) &&
          are_lengths({tally.longest_delay, tally.longest_silence, tally.first_silence}) && is_intact(tally.gated) &&
-         is_intact(tally.repeats) &&
+         is_intact(tally.repeats) && tally.repeated <= count(Outcome::gated) &&
          are_times({tally.last_accepted, tally.first_recovery, tally.last_recovery, tally.last_useful,
                     tally.longest_silence_at, tally.first_useful}) &&
          (uses == 0 || are_moments({tally.last_useful, tally.first_useful})) && ends(tally.last_reason);
@@ -104,10 +104,10 @@ bool is_intact(const NisMonitor& nis) {
 /// `groups`: so many have names.
 bool is_intact(const RowMonitor& row, int groups) {
   return row.group >= 0 && row.group < groups &&
-         are_counts({row.used, row.left_out, row.refused, row.turn, row.windows, row.long_used, row.longs}) &&
+         are_counts({row.used, row.left_out, row.refused, row.turn, row.windows, row.long_used, row.longs, row.seen}) &&
          row.long_used <= row.used && is_intact(row.streak) && is_intact(row.biased) && is_intact(row.window) &&
-         are_times({row.last, row.long_since}) && (row.used == 0 || base::is_near(row.last)) &&
-         are_intact({row.bias, row.correlation, row.long_bias});
+         are_times({row.last, row.long_since, row.widened_at, row.first_refused}) &&
+         (row.used == 0 || base::is_near(row.last)) && are_intact({row.bias, row.correlation, row.long_bias});
 }
 
 /// Rows of a part without groups are one.

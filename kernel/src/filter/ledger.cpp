@@ -44,7 +44,7 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
     tally.last_accepted = record.t;
   } else {
     if (outcome == Outcome::gated) {
-      tally.gated.refuse(record.t);
+      tally.gated.refuse(record.t, tally.last_useful);
       ++(open_repeats_ ? tally.repeated : tally.believable);
     }
     if (reason[0] != '\0') std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
@@ -53,33 +53,80 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
 }
 
 template <class Act>
-void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act) {
+void Ledger::for_each_row(const UsedRows& rows, Act&& act) {
   const auto table = rows_of(open_);
-  for (std::size_t i = 0; i < keys.size(); ++i) act(find_row(table, groups[i], keys[i], i), static_cast<int>(i));
+  for (std::size_t i = 0; i < rows.keys.size(); ++i) act(find_row(table, rows.groups[i], rows.keys[i], i), int(i));
 }
 
 bool Ledger::use(const UsedRows& rows, double nis) {
   bool is_biased = false;
   const std::int64_t turn = judged(open_);
   const Time against = plan_.measurements[as_size(open_)].recover_against;
-  for_each_row(rows.keys, rows.groups, [&](RowMonitor& row, int i) {
+  for_each_row(rows, [&](RowMonitor& row, int i) {
     is_biased |= row.use(open_t_, turn, rows.r[i], rows.R(i, i), rows.S(i, i), against);
+    if (rows.post_fit) row.see(rows.r[i], rows.R(i, i), rows.post_fit[i]);
   });
   plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
   return is_biased;
 }
 
-void Ledger::leave_out(std::span<const std::int64_t> keys, const int* groups) {
-  tally_of(open_).rows_left_out += static_cast<std::int64_t>(keys.size());
-  for_each_row(keys, groups, [](RowMonitor& row, int) { ++row.left_out; });
-  refuse(keys, groups);
+void Ledger::leave_out(const UsedRows& rows) {
+  tally_of(open_).rows_left_out += static_cast<std::int64_t>(rows.keys.size());
+  for_each_row(rows, [](RowMonitor& row, int) { ++row.left_out; });
+  refuse(rows);
 }
 
-void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
-  for_each_row(keys, groups, [&](RowMonitor& row, int) { row.refuse(open_t_, judged(open_)); });
+void Ledger::refuse(const UsedRows& rows) {
+  const bool widens = plan_.measurements[as_size(open_)].widens;
+  for_each_row(rows, [&](RowMonitor& row, int i) {
+    row.refuse(open_t_, judged(open_));
+    if (widens) row.see(rows.r[i], rows.R(i, i), rows.r[i]);
+  });
 }
 
-Belief Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const {
+/// The mean of n products of white noise has the variance 7 / n.
+bool Ledger::widen(int measurement, const OfferedRows& rows, const unsigned char* marked, int group, bool would_open) {
+  constexpr double surely_so = 4, least = 7, most = 1e4;
+  // A quarter of the samples in at least the time after which they are believed: fewer are outliers.
+  constexpr std::int64_t many = 20;
+  const Time against = plan_.measurements[as_size(measurement)].recover_against;
+  double scatter = 0, widened = 0, n = 0, all = 0;
+  bool is_due = would_open;
+  const auto for_each = [&](auto&& act) {
+    for (std::size_t i = 0; i < rows.keys.size(); ++i)
+      if (rows.groups[i] == group && (!marked || marked[i]))
+        act(find_row(rows_of(measurement), group, rows.keys[i], i));
+  };
+  for_each([&](const RowMonitor& row) {
+    scatter += row.scatter;
+    widened += row.widened;
+    is_due |= row.refused >= std::max(many, row.seen / 4) && open_t_ - row.first_refused >= against;
+    ++all;
+    n += static_cast<double>(std::min(row.seen, RowMonitor::scatter_memory));
+  });
+  const double surely = widened * (1 + surely_so * std::sqrt(7 / n));
+  if (!is_due || n < least || scatter <= surely || scatter > most * all) return false;
+  for_each([&](RowMonitor& row) {
+    row.widest = std::max(row.widest, row.widened *= scatter / widened);
+    if (row.widened_at == no_time) row.widened_at = open_t_;
+  });
+  Tally& its = tally_of(measurement);
+  its.is_widened = 1;
+  its.unconfirmed = its.absurd;  // what was recovered before is explained
+  return true;
+}
+
+void Ledger::widen_noise(int measurement, const OfferedRows& rows, MatrixView R) const {
+  if (!tally(measurement).is_widened) return;
+  for (std::size_t i = 0; i < rows.keys.size(); ++i) {
+    const RowMonitor* const row = known_row(rows_of(measurement), rows.groups[i], rows.keys[i]);
+    const double root = row ? std::sqrt(row->widened) : 1.0;
+    R.as().row(static_cast<int>(i)) *= root;
+    R.as().col(static_cast<int>(i)) *= root;
+  }
+}
+
+Belief Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   if (plan.recover_after == 0 || !plan.inflations.empty()) return Belief::none;
   const std::size_t count = rows.keys.size();
@@ -95,14 +142,18 @@ Belief Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned 
   }
   for (std::size_t i = 0; marked && i < count; ++i)
     if (const Streak streak = streak_of(i); marked[i] && streak.count >= longest.count) longest = streak;
-  if ((longest.count + 1) % plan.recover_after != 0) return Belief::none;
-  const Time since = longest.count > 0 ? longest.since : open_t_;
-
-  // A row that the gate has not come to yet will go the way of its last ones.
   constexpr unsigned char also = 2;
-  for (std::size_t i = 0; marked && i < count; ++i)
-    if (!marked[i] && streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = also;
-  const Belief belief = belief_in(measurement, rows, marked, open_t_, since);
+  Belief belief = Belief::none;
+  if ((longest.count + 1) % plan.recover_after == 0) {
+    // A row that the gate has not come to yet will go the way of its last ones.
+    for (std::size_t i = 0; marked && i < count; ++i)
+      if (!marked[i] && streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = also;
+    belief = belief_in(measurement, rows, marked, open_t_, longest.count > 0 ? longest.since : open_t_);
+    is_confirmed_ |= longest.gap > many_intervals * usual_interval(measurement);
+  }
+  const bool would_open = belief != Belief::none;
+  for (std::size_t i = 0; plan.widens && i < count; ++i)
+    if (widen(measurement, rows, marked, rows.groups[i], would_open)) belief = Belief::by_scatter;
   if (belief == Belief::none && marked) std::replace(marked, marked + count, also, static_cast<unsigned char>(0));
   return belief;
 }
@@ -134,6 +185,7 @@ Belief Ledger::belief_in(int measurement, const OfferedRows& rows, const unsigne
   const int own = marked ? 0 : 1;
   const Votes votes = votes_of(rows, marked);
   const Votes others = votes_of_others(measurement, since);
+  is_confirmed_ = others.against > 0;
   const int against = own + votes.against + others.against, all = own + votes.all + others.all;
   if (2 * against > all) return Belief::by_votes;
   return t - since >= plan_.measurements[as_size(measurement)].recover_against ? Belief::by_time : Belief::none;

@@ -14,15 +14,8 @@
 
 namespace binnacle::internal::filter {
 
-/// The rows of a sample that is judged; HPHt without R.
-struct OfferedRows {
-  std::span<const std::int64_t> keys;
-  const int* groups = nullptr;
-  ConstMatrixView HPHt;
-};
-
 /// Whether rows that disagree with the state are believed, since most of what came does, or since they did for long.
-enum class Belief : unsigned char { none, by_votes, by_time };
+enum class Belief : unsigned char { none, by_votes, by_time, by_scatter };
 
 /// An offered sample is open until it is closed with its outcome or waits in the queue; at most one is open. So
 ///     offered = Σ outcomes + waiting + open.
@@ -63,15 +56,19 @@ class Ledger {
   /// Rows of the open sample, which is accepted: those that were used, and those that a gate by row or key left out.
   /// use() returns whether it is time to ask is_biased().
   bool use(const UsedRows& rows, double nis);
-  void leave_out(std::span<const std::int64_t> keys, const int* groups);
+  void leave_out(const UsedRows& rows);
   /// All rows of the open sample are gated with it.
-  void refuse(std::span<const std::int64_t> keys, const int* groups);
+  void refuse(const UsedRows& rows);
+  /// R by what its rows are widened.
+  void widen_noise(int measurement, const OfferedRows& rows, MatrixView R) const;
   /// Whether the marked rows of the open sample (null: all), refused once more, are to be recovered. The groups that came
   /// since their first refusal have a vote each; that of a group is against the state where more of its rows are locked
   /// out than pass, a row that passes counting as its squared correlation with one that does not: the north says nothing
   /// about the east. Where most are against the state, it is wrong; else the measurement is, and only after `against`
   /// the state is taken to be. Marks the other rows that are locked out with them.
-  Belief is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
+  /// is_confirmed(): another measurement is against the state too, or this one was missing before, as in a tunnel.
+  Belief is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked);
+  bool is_confirmed() const { return is_confirmed_; }
   /// Whether the state is to be taken for wrong since rows of a sample that was accepted are biased, by the same rule. Marks
   /// them, and writes the mean of z from their last window on, and of how many it is; in other rows zero, of one.
   Belief is_biased(int measurement, const OfferedRows& rows, Time t, unsigned char* marked, double* z, double* counts);
@@ -83,6 +80,10 @@ class Ledger {
   bool is_inflation_due(int measurement) const;
   /// Returns how many there were in a row, each within `against` of the one before.
   std::int64_t count_recovery(int measurement, Time t);
+  void count_unconfirmed(int measurement, double z) {  // Estimator::unconfirmed
+    ++tally_of(measurement).unconfirmed;
+    tally_of(measurement).absurd += z > Tally::beyond_reason;
+  }
   /// The filter starts anew.
   void forget_refusals();
 
@@ -120,6 +121,10 @@ class Ledger {
   void end_silence(int measurement, Time t, const CovarianceForm& P);
   /// It has corrected: how certain is what it sees.
   void settle(int measurement, Time t, const CovarianceForm& P);
+  Time usual_interval(int measurement) const {
+    const Tally& its = tally(measurement);
+    return uses(measurement) > 1 ? (its.last_useful - its.first_useful) / (uses(measurement) - 1) : 0;
+  }
   /// A slow sensor is not silent: so many of its mean intervals are.
   static constexpr std::int64_t many_intervals = 10;
   /// Since the last sample of use, if what the measurement sees has become much less certain; else 0.
@@ -139,15 +144,19 @@ class Ledger {
   };
   static Votes votes_of(const OfferedRows& rows, const unsigned char* marked);
   Belief belief_in(int measurement, const OfferedRows& rows, const unsigned char* marked, Time t, Time since) const;
+  /// R of the marked rows (null: all) of a group, if they surely scatter by more than it was widened for, and P would be opened
+  /// for them or one was refused often and for long.
+  bool widen(int measurement, const OfferedRows& rows, const unsigned char* marked, int group, bool would_open);
   Votes votes_of_others(int measurement, Time since) const;
   template <class Act>
-  void for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act);
+  void for_each_row(const UsedRows& rows, Act&& act);
   Tally& tally_of(int measurement) { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
 
   const FilterPlan& plan_;
   std::byte* arena_;
   mutable std::vector<double> factor_;  // scratch
   StepObserver* observer_ = nullptr;
+  mutable bool is_confirmed_ = false;
   int open_ = -1;              // measurement of the open sample
   bool open_repeats_ = false;  // it repeats the one before
   Time open_t_ = no_time;

@@ -30,8 +30,6 @@ void add_product(ConstMatrixView A, ConstMatrixView B, MatrixView C) {
 
 }  // namespace
 
-// ---- what models read
-
 /// The ports of a model: null where one is open.
 const double* const* Estimator::values_of(const std::vector<int>& ports) {
   for (std::size_t p = 0; p < ports.size(); ++p) port_values_[p] = ports[p] < 0 ? nullptr : values_[as_size(ports[p])];
@@ -202,8 +200,6 @@ void Estimator::assemble(SampleRows& rows, const PartPlan& part, int part_rows) 
     }
   }
 }
-
-// ---- the covariance of what a model reads
 
 /// C P Cᵀ of all ports that a part reads, until the next call; with a row of C for each error component of each port: of a
 /// state block a unit vector, or nothing where the component is frozen; of a derived value its Jacobian, which must be in

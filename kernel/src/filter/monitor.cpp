@@ -45,10 +45,11 @@ double lag_of(double score, double n) {
 
 void RowMonitor::refuse(Time t, std::int64_t its_turn) {
   if (its_turn - turn > most_absent) streak.end();
+  if (refused == 0) first_refused = t;
   turn = its_turn;
+  streak.refuse(t, last);
   last = t;
   ++refused;
-  streak.refuse(t);
 }
 
 Extreme RowMonitor::open_bias() const {
@@ -124,6 +125,22 @@ bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, doub
     long_z = z;
   }
   return is_biased;
+}
+
+void RowMonitor::see(double r, double its_R, double its_post_fit) {
+  constexpr double most_power = 9, most = 6;  // one outlier is no scatter
+  claim = its_R / widened;
+  const double d = r - post_fit, a = d - moved;
+  if (++seen > 3 && claim > 0) {
+    const double n = static_cast<double>(std::min(seen, widened > 1 ? scatter_memory / 3 : scatter_memory));
+    const double product = std::clamp(-a * bent / (4 * claim), -most * power, most * power);
+    power += (std::min(a * a / (6 * claim), most_power * power) - power) / n;
+    scatter += (product - scatter) / n;
+    if (widened > 1) widest = std::max(widest, widened += std::max(scatter - widened, (1 - widened) / n));
+  }
+  bent = a;
+  moved = d;
+  post_fit = its_post_fit;
 }
 
 void RowMonitor::begin_anew() {

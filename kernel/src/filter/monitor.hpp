@@ -12,12 +12,20 @@
 
 namespace binnacle::internal::filter {
 
-/// The rows of an accepted sample as they were used.
+/// The rows of a sample that is judged; HPHt without R.
+struct OfferedRows {
+  std::span<const std::int64_t> keys;
+  const int* groups = nullptr;
+  ConstMatrixView HPHt;
+};
+
+/// The rows of a sample as they were used or refused; S and post_fit only of used ones.
 struct UsedRows {
   std::span<const std::int64_t> keys;
   const int* groups = nullptr;
   const double* r = nullptr;
-  ConstMatrixView R, S;  // S = H P⁻ Hᵀ + R
+  ConstMatrixView R = {}, S = {};    // S = H P⁻ Hᵀ + R
+  const double* post_fit = nullptr;  // r − H δ
 };
 
 /// Of a statistic that is N(0, 1) in each window of a right filter: the window farthest out.
@@ -37,8 +45,9 @@ struct Streak {
   Time since = no_time;
   std::int64_t longest = 0;
   Time longest_since = no_time;
-  void refuse(Time t) {
-    if (count++ == 0) since = t;
+  Time gap = 0;  // from the sample before the first of them
+  void refuse(Time t, Time before = no_time) {
+    if (count++ == 0) since = t, gap = before == no_time ? 0 : t - before;
     if (count > longest) {
       longest = count;
       longest_since = since;
@@ -84,6 +93,13 @@ struct RowMonitor {
   static constexpr double surely = 5, material = 1;
   Streak biased;
   double biased_z = 0, biased_count = 0;
+  // Noise over the variance that it claims, by second differences a of r, corrections taken back: d_k = r_k − (r − H δ)_{k−1},
+  // a_k = d_k − d_{k−1}. scatter: mean of −a_k a_{k−1} / 4R, which depends neither on the gain (Mehra 1970) nor on a state
+  // that jumps, drifts or accelerates; power: of a² / 6R. `widened`: what R is multiplied by.
+  static constexpr std::int64_t scatter_memory = 100;
+  double post_fit = 0, moved = 0, bent = 0, scatter = 1, power = 1, claim = 0, widened = 1, widest = 1;
+  std::int64_t seen = 0;
+  Time widened_at = no_time, first_refused = no_time;
 
   /// Of what is not full yet.
   Extreme open_bias() const;
@@ -95,6 +111,8 @@ struct RowMonitor {
   /// Returns whether it ended a window that is surely biased, or has been biased for `against`.
   bool use(Time t, std::int64_t its_turn, double r, double its_R, double S, Time against);
   void refuse(Time t, std::int64_t its_turn);
+  /// Used or refused. `its_post_fit`: r − H δ; r where it is refused.
+  void see(double r, double its_R, double its_post_fit);
   /// Its refusals in a row, none where it was absent from its measurement's samples meanwhile.
   Streak streak_at(std::int64_t now) const { return now - turn <= most_absent ? streak : Streak{}; }
   static constexpr std::int64_t most_absent = 5;

@@ -26,31 +26,6 @@ SeenSigmaPoints::SeenSigmaPoints(const FilterPlan& plan)
       M(plan.max_rows, plan.max_columns),
       Omega(plan.max_rows, plan.max_rows) {}
 
-/// While it lives, models read the blocks that a measurement sees from the other state, and leave no notes. The arena never
-/// holds any state but the estimate.
-class Estimator::Elsewhere {
- public:
-  Elsewhere(Estimator& its, const MeasurementPlan& measurement) : its_(its), measurement_(measurement) {
-    read_from(its.other_->x.data());
-    its.calls_.is_muted = true;
-  }
-  Elsewhere(const Elsewhere&) = delete;
-  Elsewhere& operator=(const Elsewhere&) = delete;
-  ~Elsewhere() {
-    read_from(its_.state());
-    its_.calls_.is_muted = false;
-  }
-
- private:
-  void read_from(const double* x) {
-    for (const auto& seen : measurement_.update.seen)
-      its_.values_[as_size(seen.block)] = x + its_.plan_.blocks[as_size(seen.block)].stored_offset;
-  }
-
-  Estimator& its_;
-  const MeasurementPlan& measurement_;
-};
-
 /// δ of one block, what is frozen in it zero.
 VectorView Estimator::delta_elsewhere(const UpdatePlan::Seen& seen) {
   const BlockPlan& block = plan_.blocks[as_size(seen.block)];
@@ -71,7 +46,10 @@ Result Estimator::see_elsewhere(const MeasurementPlan& measurement, const Sample
     calls_.during(block, "plus", [&] { block.block->plus(block.in(x), delta, block.in(other_->x.data())); });
   }
   roll_back(measurement);
-  const Elsewhere elsewhere(*this, measurement);
+  const Elsewhere elsewhere(*this, other_->x.data(), [&](const double* at) {
+    for (const auto& seen : measurement.update.seen)
+      values_[as_size(seen.block)] = at + plan_.blocks[as_size(seen.block)].stored_offset;
+  });
   return run_parts(other_->rows, measurement, sample, now, wanted);
 }
 
@@ -98,8 +76,6 @@ void Estimator::reset_elsewhere(const MeasurementPlan& measurement) {
     }
   }
 }
-
-// ---- sigma points
 
 /// Takes rows_, which are linearized at the estimate, to the regression on the sigma points of what they see:
 ///     r = Σ w r_i ,  H = −M ,  R ← R + Ω ,

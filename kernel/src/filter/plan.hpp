@@ -282,7 +282,9 @@ struct Tally : SampleCounts {
   double nis_sum = 0;
   Time last_accepted = no_time;
   Time first_recovery = no_time, last_recovery = no_time;
-  std::int64_t recoveries_in_vain = 0;  // in a row, each soon after the one before
+  std::int64_t recoveries_in_vain = 0;           // in a row, each soon after the one before
+  static constexpr double beyond_reason = 1000;  // sigma: no error that grew is so large
+  std::int64_t unconfirmed = 0, absurd = 0, is_widened = 0;
   // Samples that repeat the one before to the bit, after others that did not.
   std::uint64_t fingerprint = 0;
   std::int64_t changes = 0;     // samples that did not
@@ -340,10 +342,12 @@ struct MeasurementPlan : Planned {
   UpdatePlan update;
   Place<Tally> tally;
   Place<NisMonitor> nis;
-  Place<double> variances;  // of its columns, when a sample was last of use
-  Place<RowMonitor> rows;   // as many as it may have, and for keys that come and go a few more
-  bool is_watched = true;   // its monitors count in the verdict
-  Place<std::byte> memory;  // of its parts together
+  Place<double> variances;         // of its columns, when a sample was last of use
+  Place<RowMonitor> rows;          // as many as it may have, and for keys that come and go a few more
+  bool is_watched = true;          // its monitors count in the verdict
+  std::vector<double> systematic;  // of each group: a mean that is no reason
+  bool widens = false;             // R of rows that scatter by more than they claim
+  Place<std::byte> memory;         // of its parts together
 };
 
 /// The limits of a filter's monitors, "trust" in the config. What is 0 is not looked at.

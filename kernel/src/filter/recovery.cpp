@@ -138,6 +138,23 @@ void Estimator::keep_open() {
   P_->scale(opening_.scales.data());
 }
 
+// Two groups agree: a receiver's position and its velocity. But no error that grew is a thousand times its sigma.
+double Estimator::unconfirmed(bool is_confirmed) const {
+  constexpr double far = 5;
+  const auto S = rows_.square(rows_.S);
+  int group = -1;
+  double farthest = 0;
+  for (int i = 0; i < rows_.m; ++i) {
+    const double z = std::abs(rows_.r[i]) / std::sqrt(S(i, i));
+    if (z > Tally::beyond_reason) return z;
+    if (z <= far) continue;
+    farthest = std::max(farthest, z);
+    is_confirmed |= group >= 0 && group != rows_.groups[as_size(i)];
+    group = rows_.groups[as_size(i)];
+  }
+  return is_confirmed ? 0 : farthest;
+}
+
 void Estimator::project(const MeasurementPlan& measurement) { P_->project(measurement.columns, rows_); }
 
 // The mean residual of n samples has the noise R / n, and what of P is common to all of them.

@@ -19,34 +19,6 @@ double largest_of(const double* numbers, int count) {
 
 }  // namespace
 
-/// While it lives, process models and derived blocks read a sigma point, and leave no notes: the call at the centre has left
-/// them. The arena never holds any state but the estimate.
-class Estimator::AtPoint {
- public:
-  explicit AtPoint(Estimator& its) : its_(its) {
-    read_from(its.sigma_->x.data());
-    its.calls_.is_muted = true;
-  }
-  AtPoint(const AtPoint&) = delete;
-  AtPoint& operator=(const AtPoint&) = delete;
-  ~AtPoint() {
-    read_from(its_.state());
-    its_.calls_.is_muted = false;
-  }
-
- private:
-  void read_from(const double* x) {
-    const auto& plan = its_.plan_;
-    for (std::size_t b = 0; b < plan.blocks.size(); ++b) its_.values_[b] = x + plan.blocks[b].stored_offset;
-    for (std::size_t p = 0; p < plan.processes.size(); ++p)
-      for (std::size_t port = 0; port < plan.processes[p].ports.size(); ++port)
-        if (const int value = plan.processes[p].ports[port]; value >= 0 && plan.is_block(value))
-          its_.ports_[p].inputs[port] = its_.values_[as_size(value)];
-  }
-
-  Estimator& its_;
-};
-
 Estimator::SigmaStep::SigmaStep(const FilterPlan& plan, const std::vector<Place<std::byte>>& its_memories)
     : n(plan.n),
       points(plan.n, plan.n),
@@ -165,7 +137,13 @@ bool Estimator::perturb(int point) {
 
 /// x_plus() of the models at SigmaStep::x, without Jacobians.
 bool Estimator::run_values(const Driving& now, const Step& step, std::span<const InputSample> samples) {
-  const AtPoint at_point(*this);
+  const Elsewhere at_point(*this, sigma_->x.data(), [&](const double* x) {
+    for (std::size_t b = 0; b < plan_.blocks.size(); ++b) values_[b] = x + plan_.blocks[b].stored_offset;
+    for (std::size_t p = 0; p < plan_.processes.size(); ++p)
+      for (std::size_t port = 0; port < plan_.processes[p].ports.size(); ++port)
+        if (const int value = plan_.processes[p].ports[port]; value >= 0 && plan_.is_block(value))
+          ports_[p].inputs[port] = values_[as_size(value)];
+  });
   const auto is_refused = [&](const Result& result, const char* call) {
     if (result) return false;
     char text[sizeof KeptNote::text];

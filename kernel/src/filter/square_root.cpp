@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carlson, Fast triangular formulation of the square root filter, AIAA Journal 11 (1973).
-#include "filter/square_root.hpp"
+#include "filter/factored_form.hpp"
 
 #include <algorithm>
 #include <cmath>

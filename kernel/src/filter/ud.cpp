@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bierman, Factorization Methods for Discrete Sequential Estimation (1977), chapters V and VI; Thornton and Bierman, Gram-Schmidt
 // algorithms for covariance propagation, Int. J. Control 25 (1977).
-#include "filter/ud.hpp"
+#include "filter/factored_form.hpp"
 
 #include <algorithm>
 

@@ -19,7 +19,7 @@ SampleRows::SampleRows(const FilterPlan& plan) {
   for (auto* tall : {&G_, &K_, &U_}) tall->resize(ld * std::max<std::size_t>(rows, 3));
   delta.resize(ld);
   for (auto* list : {&keys, &left_out_keys}) list->resize(rows);
-  for (auto* list : {&mean_z, &mean_count}) list->resize(rows);
+  for (auto* list : {&mean_z, &mean_count, &left_out_r, &left_out_R, &post_fit}) list->resize(rows);
   biased.resize(rows);
   for (auto* list : {&groups, &left_out_groups}) list->resize(rows);
   static_cast<UpdateWork&>(*this) = {0,         plan.max_rows, H_.data(), R_.data(), r_.data(), G_.data(), HPHt_.data(),
@@ -49,6 +49,8 @@ void SampleRows::list_left_out(const unsigned char* marked) {
   for (int i = 0; i < m; ++i) {
     if (!marked[i]) continue;
     left_out_groups[as_size(left_out)] = groups[as_size(i)];
+    left_out_r[as_size(left_out)] = r[i];
+    left_out_R[as_size(left_out)] = R_nominal[as_size(i * (m_max + 1))];
     left_out_keys[as_size(left_out++)] = keys[as_size(i)];
   }
 }
@@ -134,8 +136,6 @@ unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>& limit
   return largest > 1.0 ? worst_.data() : nullptr;
 }
 
-// ---- the judgement
-
 Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld,
                            LockOutTest is_locked_out) {
   const auto& memory = measurement.noise_memory;
@@ -214,16 +214,17 @@ void Estimator::correct(const MeasurementPlan& measurement) {
   if (!rows_.has_delta) gain_times_residual(plan_.n, rows_, rows_.delta.data());
   inject();
   P_->correct(plan_.corrected, rows_);
-  if (measurement.noise && measurement.noise->declaration().looks_back) {
+  const bool looks_back = measurement.noise && measurement.noise->declaration().looks_back;
+  if (looks_back || measurement.widens) {
     // To first order, before the reset. G and HPHt are made anew with P⁺ and no longer those of the update.
     for (int i = 0; i < rows_.m; ++i) {
       double predicted = 0;
       for (std::size_t c = 0; c < measurement.columns.size(); ++c)
         predicted += rows_.H[as_size(i) + c * as_size(rows_.m_max)] * rows_.delta[as_size(measurement.columns[c])];
-      post_fit_[as_size(i)] = rows_.r[i] - predicted;
+      rows_.post_fit[as_size(i)] = rows_.r[i] - predicted;
     }
-    P_->project(measurement.columns, rows_);
   }
+  if (looks_back) P_->project(measurement.columns, rows_);
   for (const auto& reset : resets_) P_->transform(reset.jacobian, reset.first, reset.dof);
   note_rounded();
   std::ranges::copy(x_corrected_, x());
@@ -275,7 +276,7 @@ void Estimator::expand_reset(MatrixView T) const {
 void Estimator::learn(const MeasurementPlan& measurement) {
   if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
   const AfterUpdate in{Outcome::accepted,
-                       {post_fit_.data(), rows_.m},
+                       {rows_.post_fit.data(), rows_.m},
                        rows_.square(rows_.HPHt),
                        memory_of(measurement.noise_memory)};
   calls_.during(measurement.noise_type, measurement.pointer, "after", [&] { measurement.noise->after(in); });

@@ -35,25 +35,18 @@ class Examination {
     find_score_limits();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
       if (plan_.measurements[as_size(m)].is_watched) examine(m);
-    if (trust_.hole > 0 && head_.longest_hole > trust_.hole)
-      see_({.doubt = Doubt::bridged,
-            .since = head_.longest_hole_at,
-            .figure = seconds(head_.longest_hole),
-            .limit = seconds(trust_.hole)});
-    if (trust_.silent > 0 && plan_.input_channel >= 0 && head_.newest > head_.input_end &&
-        head_.newest - head_.input_end > trust_.silent)
-      see_({.doubt = Doubt::input_ended,
-            .since = head_.input_end,
-            .figure = seconds(head_.newest - head_.input_end),
-            .limit = seconds(trust_.silent)});
-    if (trust_.frozen > 0 && head_.longest_repeat > trust_.frozen)
-      see_({.doubt = Doubt::frozen,
-            .since = head_.longest_repeat_at,
-            .figure = seconds(head_.longest_repeat),
-            .limit = seconds(trust_.frozen)});
+    see_lasting(Doubt::bridged, head_.longest_hole_at, head_.longest_hole, trust_.hole);
+    if (plan_.input_channel >= 0 && head_.newest > head_.input_end)
+      see_lasting(Doubt::input_ended, head_.input_end, head_.newest - head_.input_end, trust_.silent);
+    see_lasting(Doubt::frozen, head_.longest_repeat_at, head_.longest_repeat, trust_.frozen);
   }
 
  private:
+  void see_lasting(Doubt doubt, Time since, Time lasted, Time limit) {
+    if (limit > 0 && lasted > limit)
+      see_({.doubt = doubt, .since = since, .figure = seconds(lasted), .limit = seconds(limit)});
+  }
+
   /// P as it is now, or as it was found before; and what it could not hold.
   void examine_covariance() {
     constexpr double gross = 1e-3;
@@ -130,19 +123,24 @@ class Examination {
     examine_lock_out(m, tally);
     examine_share(m, tally);
     if (tally.recoveries > 0)
-      see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, tally.first_recovery, double(tally.recoveries), 0});
+      see_({Doubt::recovered, tally.unconfirmed > 0 ? Verdict::lost : Verdict::doubtful, m, -1, 0, tally.first_recovery,
+            double(tally.recoveries), double(tally.unconfirmed)});
     if (tally.repeats.longest >= trust_.after && trust_.after > 0)
-      see_({Doubt::frozen, Verdict::doubtful, m, -1, 0, tally.repeats.longest_since, double(tally.repeats.longest),
+      see_({Doubt::frozen, Verdict::ok, m, -1, 0, tally.repeats.longest_since, double(tally.repeats.longest),
             double(trust_.after)});
     examine_silence(m, tally);
+    constexpr double bygone = 2;  // it scatters about as it claims again
+    for (const RowMonitor& row : ledger_.rows(m))
+      if (row.widened_at != no_time)
+        see_({Doubt::scattered, row.widened < bygone ? Verdict::ok : Verdict::doubtful, m, row.group, row.key,
+              row.widened_at, std::sqrt(row.claim * row.widest), std::sqrt(row.claim)});
     if (score_limit_ > 0 && is_tested(m)) examine_innovations(m);
   }
 
   /// Up to now, before, or up to the first sample of use: how often it comes is known only from the second on.
   void examine_silence(int m, const Tally& tally) {
-    const std::int64_t intervals = ledger_.uses(m) - 1;
-    const Time usual = intervals > 0 ? (tally.last_useful - tally.first_useful) / intervals : 0;
-    const Time first = tally.first_silence > Ledger::many_intervals * usual ? tally.first_silence : 0;
+    const Time many = Ledger::many_intervals * ledger_.usual_interval(m);
+    const Time first = tally.first_silence > many ? tally.first_silence : 0;
     const Time now = ledger_.silence(m, head_.t, P_), longest = std::max({first, now, tally.longest_silence});
     if (longest == 0) return;
     const Time since = longest == now     ? tally.last_useful
@@ -182,7 +180,7 @@ class Examination {
   }
 
   TrustReason was_locked_out(int m, int group, std::int64_t key, const Streak& streak) const {
-    return {Doubt::was_locked_out,  Verdict::doubtful,   m, group, key, streak.longest_since,
+    return {Doubt::was_locked_out,  Verdict::ok,         m, group, key, streak.longest_since,
             double(streak.longest), double(trust_.after)};
   }
 
@@ -224,17 +222,20 @@ class Examination {
       correlation.see(row.open_correlation());
       Extreme long_bias = row.long_bias;
       long_bias.see(row.open_long_bias());
-      const auto see_bias = [&](const Extreme& mean, double limit) {
-        see_({Doubt::bias, Verdict::doubtful, m, row.group, row.key, mean.since, mean.figure,
-              limit / std::sqrt(mean.size)});
+      const double systematic = plan_.measurements[as_size(m)].systematic[as_size(row.group)] /
+                                std::sqrt((row.HPHt + row.R) / static_cast<double>(row.used));
+      const auto sees_bias = [&](const Extreme& mean, double score) {
+        const double limit = systematic + score / std::sqrt(mean.size);
+        if (!trust_.tests_bias || std::abs(mean.figure) <= limit) return false;
+        see_({Doubt::bias, Verdict::doubtful, m, row.group, row.key, mean.since, mean.figure, limit});
+        return true;
       };
-      if (trust_.tests_bias && bias.score > score_limit_)
-        see_bias(bias, score_limit_);
-      else if (trust_.tests_bias && long_bias.score > long_limit_)
-        see_bias(long_bias, long_limit_);
-      if (trust_.tests_correlation && correlation.score > score_limit_)
+      if (!sees_bias(bias, score_limit_)) sees_bias(long_bias, long_limit_);
+      if (!trust_.tests_correlation || correlation.score <= score_limit_) continue;
+      if (const double limit = lag_of(score_limit_, correlation.size) + systematic * systematic;
+          correlation.figure > limit)
         see_({Doubt::correlation, Verdict::doubtful, m, row.group, row.key, correlation.since, correlation.figure,
-              lag_of(score_limit_, correlation.size)});
+              limit});
     }
   }
 

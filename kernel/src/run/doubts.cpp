@@ -103,7 +103,11 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
              " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
     case Doubt::recovered:
       return who + " had to be recovered " + times(reason) + ", first at " + since(reason) +
-             ": it was refused or biased for a long time";
+             ": it was refused or biased for a long time" +
+             (reason.verdict == Verdict::lost
+                  ? "; it contradicted the state by more than 5 sigma, and nothing else does: "
+                    "either may be wrong"
+                  : "");
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::frozen:
@@ -112,6 +116,9 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::silent:
       return "no sample of " + who + " was usable for " + figure + " s from " + since(reason) + " on (limit " + limit +
              " s), and the uncertainty of what it observes grew 3 times or more";
+    case Doubt::scattered:
+      return who + " claims a standard deviation of " + limit + " and scatters by " + figure + ", first seen at " +
+             since(reason) + ": its noise was increased";
     case Doubt::unresolved:
       return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
              "): \"covariance\": \"joseph\" has too few digits for this, so the sigmas after it are zero or wrong; "
@@ -129,20 +136,21 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108",
-                                   "B109", "B110", "B117", "B115", "B118", "B116", "B123", "B126", "B127"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108", "B109",
+                                   "B110", "B117", "B115", "B118", "B116", "B123", "B126", "B147", "B127"};
   return codes[static_cast<int>(doubt)];
 }
 
 }  // namespace
 
-Diagnostics Session::doubts(FilterId filter) const {
+Diagnostics Session::doubts(FilterId filter, Verdict least) const {
   std::vector<TrustReason> reasons(this->reasons(filter, {}));
   this->reasons(filter, reasons);
   const auto& plan = engine(filter).plan();
   const auto& document = composition_->plan().document;
   Diagnostics doubts;
   for (const auto& reason : reasons) {
+    if (reason.verdict < least) continue;
     const std::string& pointer =
         reason.measurement < 0 ? plan.pointer : plan.measurements[internal::base::as_size(reason.measurement)].pointer;
     std::string last_refusal;

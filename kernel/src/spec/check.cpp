@@ -85,10 +85,10 @@ struct Check {
       known.push_back(member.name);
       if (!member.former_name.empty()) renamed.emplace_back(member.former_name, member.name);
     }
-    const auto detail = [&](const std::string& key) {
-      const int i = index_of(spec.members, key, &ParameterSpec::name);
-      return i < 0 ? "" : " (" + describe_short(spec.members[as_size(i)], ports) + ")";
-    };
+    std::map<std::string, std::string> detail;
+    if (!std::ranges::all_of(at.children(), [&](const Reader& m) { return index_of(known, m.key()) >= 0; }))
+      for (const ParameterSpec& member : spec.members)
+        detail.emplace(member.name, " (" + describe_short(member, ports) + ")");
     // Saying that what was meant by an unknown key is missing as well would be noise.
     const std::set<std::string> meant = at.check_keys(known, name, renamed, detail);
     ParameterValue result;
@@ -241,7 +241,7 @@ struct Check {
   /// Nothing where any length is right.
   std::optional<std::size_t> wanted_size(int size) const {
     if (!spec.size_of_port.empty()) {
-      const std::optional<PortMeasure> measure = ports ? ports(spec.size_of_port) : std::nullopt;
+      const std::optional<PortMeasure> measure = measure_of(ports, spec.size_of_port);
       return measure ? std::optional(as_size(measure->dof)) : std::nullopt;
     }
     return size == ParameterSpec::any_size ? std::nullopt : std::optional(as_size(size));

@@ -39,6 +39,9 @@ struct WantedUnit {
   std::string text;  // "s", "m/sqrt(s)", "unit of x/sqrt(s)", "any unit"; "1" for a plain number
 };
 
+/// Nothing for a port that is unknown or open.
+std::optional<PortMeasure> measure_of(const PortUnits& ports, std::string_view port);
+
 WantedUnit wanted_unit(const ParameterSpec& spec, const PortUnits& ports);
 
 /// "@x/sqrt(s)" refers to the port "x"; nothing for a unit of its own.

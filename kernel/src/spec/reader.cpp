@@ -82,7 +82,7 @@ std::vector<Reader> Reader::elements(std::string_view what) const {
 
 std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed, std::string_view what,
                                          const RenamedKeys& renamed,
-                                         const std::function<std::string(const std::string&)>& detail) const {
+                                         const std::map<std::string, std::string>& detail) const {
   constexpr std::size_t most = 16;
   std::set<std::string> meant;
   if (!is_object()) return meant;
@@ -95,7 +95,7 @@ std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed
     if (former != renamed.end())
       hint = "; " + base::in_quotes(key) + " is now called " + base::in_quotes(near);
     else if (!near.empty())
-      hint = "; did you mean " + base::in_quotes(near) + (detail ? detail(near) : "") + "?";
+      hint = "; did you mean " + base::in_quotes(near) + (detail.contains(near) ? detail.at(near) : "") + "?";
     else if (allowed.size() <= most)
       hint = allowed.empty() ? "; it takes none" : "; it takes " + base::quoted_list(allowed);
     member.key_error("B012", "unknown key of " + std::string(what) + hint);
@@ -142,8 +142,8 @@ std::optional<std::string> Reader::path() const { return read(*this, {}, Paramet
 std::optional<bool> Reader::boolean() const {
   return read(*this, {}, ParameterType::boolean, &ParameterValue::boolean);
 }
-std::optional<Time> Reader::time() const {
-  return read(*this, parameter::time(""), ParameterType::time, &ParameterValue::integer);
+std::optional<Time> Reader::time(const ParameterSpec& spec) const {
+  return read(*this, spec, ParameterType::time, &ParameterValue::integer);
 }
 
 std::optional<std::vector<std::string>> Reader::names() const {

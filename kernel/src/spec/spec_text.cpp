@@ -17,11 +17,16 @@ std::optional<std::string> port_of_unit(std::string_view unit) {
   return std::string(port);
 }
 
+std::optional<PortMeasure> measure_of(const PortUnits& ports, std::string_view port) {
+  const auto found = ports.find(port);
+  return found == ports.end() ? std::nullopt : std::optional(found->second);
+}
+
 WantedUnit wanted_unit(const ParameterSpec& spec, const PortUnits& ports) {
   if (spec.unit == "*") return {std::nullopt, "any unit"};
   std::string text = spec.unit.empty() ? "1" : spec.unit;
   if (const std::optional<std::string> port = port_of_unit(spec.unit)) {
-    const std::optional<PortMeasure> measure = ports ? ports(*port) : std::nullopt;
+    const std::optional<PortMeasure> measure = measure_of(ports, *port);
     if (!measure) return {std::nullopt, "unit of " + spec.unit.substr(1)};
     text = "(" + si_unit(measure->dimension) + ")" + spec.unit.substr(1 + port->size());
   }
@@ -67,7 +72,7 @@ std::string values_text(int count) { return std::to_string(count) + (count == 1 
 std::string shape_text(const ParameterSpec& spec, const PortUnits& ports) {
   const bool is_matrix = spec.type == ParameterType::matrix;
   if (!spec.size_of_port.empty()) {
-    const std::optional<PortMeasure> measure = ports ? ports(spec.size_of_port) : std::nullopt;
+    const std::optional<PortMeasure> measure = measure_of(ports, spec.size_of_port);
     if (!measure) return (is_matrix ? "square, as large as " : "as many as ") + spec.size_of_port;
     const std::string n = std::to_string(measure->dof);
     return is_matrix ? n + " by " + n : values_text(measure->dof);

@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 namespace binnacle::command {
 
 struct RecordFormats {
@@ -14,17 +12,6 @@ struct RecordFormats {
 
   /// "nc,csv,page": these alone. Throws UsageError where it names another, or none.
   void keep_only(const std::string& list);
-};
-
-/// --only and --compress, both of --out.
-class RecordOptions {
- public:
-  void add_to(CLI::App& command, CLI::Option* out);
-  RecordFormats formats() const;
-
- private:
-  std::string only_;
-  int compression_ = 0;
 };
 
 }  // namespace binnacle::command

@@ -18,6 +18,7 @@
 #include "output.hpp"
 #include "provenance.hpp"
 #include "record_journal.hpp"
+#include "record_options.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
 #include "smoothers.hpp"

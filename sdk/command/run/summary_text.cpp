@@ -388,7 +388,8 @@ std::string verdict_text(const Json& verdict) {
     besides.push_back(fmt::format("not watched: {}", fmt::join(unwatched->get<Names>(), ", ")));
   Names conservative;
   for (const auto& note : notes_of(verdict))  // where errors persist, the filter may be right
-    if (note.at("likely") != "persisting_errors") conservative.push_back(note.at("measurement").get<std::string>());
+    if (note.value("likely", "persisting_errors") != "persisting_errors")
+      conservative.push_back(note.at("measurement").get<std::string>());
   if (!conservative.empty()) besides.push_back(fmt::format("conservative: {}", fmt::join(conservative, ", ")));
   const std::string state = verdict.at("state").get<std::string>();
   return besides.empty() ? state : fmt::format("{} ({})", state, fmt::join(besides, "; "));

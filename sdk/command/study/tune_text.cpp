@@ -24,13 +24,20 @@ std::string error_of(const Json& parameter) {
   return parameter.at("relative").get<bool>() ? fmt::format("{:.1f} %", 100 * error) : figure(error);
 }
 
+/// "determined"; with evidence below 2, what that says.
+std::string state_of(const Json& parameter) {
+  const Json evidence = parameter.value("evidence", Json());
+  const auto state = parameter.at("state").get<std::string>();
+  return evidence.is_number() && evidence.get<double>() < 2 ? state + "; the start was as good" : state;
+}
+
 std::string parameters_text(const Json& result) {
   Table table("lrrrrl");
   table.row({"parameter", "start", "end", "standard error", "evidence", ""});
   for (const auto& parameter : result.at("parameters"))
     table.row({parameter.at("name").get<std::string>(), shown(parameter.at("start")),
                shown(parameter.value("end", Json())), error_of(parameter), shown(parameter.value("evidence", Json())),
-               parameter.at("state").get<std::string>()});
+               state_of(parameter)});
   return table.text();
 }
 

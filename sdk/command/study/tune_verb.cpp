@@ -24,8 +24,16 @@ struct TuneVerbOptions {
   tune::TuneOptions tune;
   int jobs = 0;  // 0: all processors
   std::string write, summary;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, force = false;
 };
+
+std::string worse_text(const Json& result) {
+  const Json& likelihood = result.at("judged").at("used").at("likelihood");
+  return fmt::format(
+      "the tuned values lower the ln likelihood of the {:.0f} rows that both accept from {:.1f} to {:.1f}: "
+      "no patch was written (--force writes it)",
+      likelihood.at("rows").get<double>(), likelihood.at("start").get<double>(), likelihood.at("end").get<double>());
+}
 
 int tune_config(const TuneVerbOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -52,7 +60,8 @@ int tune_config(const TuneVerbOptions& options) {
     die_of_signal();
   }
   result["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (patch && !result.at("patch").empty()) {
+  const bool is_worse = result.at("lowered").get<bool>() && !options.force;
+  if (patch && !result.at("patch").empty() && !is_worse) {
     patch->write(result.at("patch").dump(2) + "\n");
     patch->commit();
   }
@@ -68,7 +77,8 @@ int tune_config(const TuneVerbOptions& options) {
     for (const auto& note : result.at("notes")) print_note(note.get<std::string>());
   for (const auto& open : result.at("undetermined"))
     print_error("not determined and not changed: " + open.at("text").get<std::string>());
-  return result.at("undetermined").empty() && result.at("converged").get<bool>() ? ok : failed;
+  if (is_worse) print_error(worse_text(result));
+  return result.at("undetermined").empty() && result.at("converged").get<bool>() && !is_worse ? ok : failed;
 }
 
 }  // namespace
@@ -89,6 +99,7 @@ Verb tune_verb(CLI::App& command) {
   app->add_option("--jobs", options->jobs, "Number of parallel runs; default: the number of processors")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
+  app->add_flag("--force", options->force, "Write the values even if they lower the likelihood");
   app->add_flag("--json", options->json, "Print the figures as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Print only errors: no tables or notes");
   return {app, [options] { return tune_config(*options); }};

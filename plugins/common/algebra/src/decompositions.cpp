@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include <vector>
 
@@ -21,12 +22,32 @@ MatrixXd Cholesky::solve_L(const MatrixXd& B) const { return factor_.matrixL().s
 VectorXd Cholesky::solve_L_vector(const VectorXd& b) const { return factor_.matrixL().solve(b); }
 MatrixXd Cholesky::times_L(const MatrixXd& B) const { return factor_.matrixL() * B; }
 
-PivotedCholesky::PivotedCholesky(const MatrixXd& A) : factor_(A) {}
+template <class Matrix>
+PivotedCholeskyOf<Matrix>::PivotedCholeskyOf(const Matrix& A) : factor_(A) {}
 
-bool PivotedCholesky::is_factored() const { return factor_.info() == Eigen::Success; }
-VectorXd PivotedCholesky::D() const { return factor_.vectorD(); }
-MatrixXd PivotedCholesky::solve(const MatrixXd& B) const { return factor_.solve(B); }
-VectorXd PivotedCholesky::solve_vector(const VectorXd& b) const { return factor_.solve(b); }
+template <class Matrix>
+bool PivotedCholeskyOf<Matrix>::is_factored() const {
+  return factor_.info() == Eigen::Success;
+}
+template <class Matrix>
+typename PivotedCholeskyOf<Matrix>::Vector PivotedCholeskyOf<Matrix>::D() const {
+  return factor_.vectorD();
+}
+template <class Matrix>
+Matrix PivotedCholeskyOf<Matrix>::solve(const Matrix& B) const {
+  return factor_.solve(B);
+}
+template <class Matrix>
+typename PivotedCholeskyOf<Matrix>::Vector PivotedCholeskyOf<Matrix>::solve_vector(const Vector& b) const {
+  return factor_.solve(b);
+}
+template class PivotedCholeskyOf<MatrixXd>;
+template class PivotedCholeskyOf<SmallMatrix>;
+
+LeastSquares::LeastSquares(const MatrixXd& A) : factor_(A) {}
+
+MatrixXd LeastSquares::solve(const MatrixXd& B) const { return factor_.solve(B); }
+VectorXd LeastSquares::solve_vector(const VectorXd& b) const { return factor_.solve(b); }
 
 Spectrum spectrum(const MatrixXd& A) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(A);
@@ -43,6 +64,20 @@ Spectrum generalized_spectrum(const MatrixXd& A, const MatrixXd& B) {
 }
 
 MatrixXd inverse(const MatrixXd& A) { return A.inverse(); }
+
+VectorXd solve(const MatrixXd& A, const VectorXd& b) { return A.partialPivLu().solve(b); }
+
+MatrixXd exponential(const MatrixXd& A) { return A.exp(); }
+
+MatrixXd root(const MatrixXd& A) {
+  const MatrixXd symmetric = 0.5 * (A + A.transpose());
+  const Eigen::LLT<MatrixXd> positive(symmetric);
+  if (positive.info() == Eigen::Success) return positive.matrixL();
+  const Eigen::LDLT<MatrixXd> semidefinite(symmetric);
+  MatrixXd L = semidefinite.matrixL();
+  L *= semidefinite.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal();
+  return semidefinite.transpositionsP().transpose() * L * semidefinite.transpositionsP();
+}
 
 MatrixXd left_inverse(const MatrixXd& H, const MatrixXd& R) {
   std::vector<Eigen::Index> seeing;

@@ -25,7 +25,8 @@ enum Place { position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, ac
 constexpr std::array place_names = {"position",   "velocity",   "attitude",   "gyro_bias",
                                     "accel_bias", "gyro_scale", "accel_scale"};
 
-constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
+constexpr double least_cos_lat = 1e-5;                          // 64 m from a pole
+constexpr Time longest_statement = 2 * nanoseconds_per_second;  // for how long a statement that it stands is believed
 constexpr const char* near_pole =
     "north-east-down axes are not defined at a pole, and the position is within 64 m of one";
 
@@ -173,6 +174,10 @@ void InertialProcess::describe(ComponentSpec& spec) {
                                           "integral of the angular rate with respect to inertial space, body axes"));
   for (const char* axis : {"x", "y", "z"})
     spec.fields.push_back(increment_field(std::string("f") + axis, "m/s", "integral of the specific force, body axes"));
+  spec.inputs = {input("standing", {field::level("standing", "1").about("1 while the vehicle stands")})
+                     .optional()
+                     .about("a stationary detector's state: while it stands the error model takes gravity for the "
+                            "specific force, without the noise of the samples")};
 }
 
 InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
@@ -188,6 +193,8 @@ InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
     has_sensor_errors_ = has_sensor_errors_ || ports_[place].is_bound();
   has_position_errors_ = binding.block("position").is_estimated;
   fields_ = {binding.fields("wx", "wy", "wz"), binding.fields("fx", "fy", "fz")};
+  standing_ = binding.input("standing");
+  is_standing_ = binding.field(standing_, "standing");
   memory_ = declaration_.keeps<SampleMemory>();
   declare_transition();
   declare_noise();
@@ -239,12 +246,20 @@ strapdown::NoiseDensity InertialProcess::density(const Step& step) const {
   return density;
 }
 
+// The noise of an accelerometer's sample enters the velocity, and by −[f×] in Φ the attitude's coupling to it as well:
+// the two together look like information about the heading. At rest f is known to be −g.
+bool InertialProcess::stands(const ProcessInput& in) const {
+  if (!standing_.is_bound()) return false;
+  const SampleView& state = in.auxiliary[standing_];
+  return state.available && state[is_standing_] > 0.5 && in.step.t1 - state.t <= longest_statement;
+}
+
 Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) const {
   const strapdown::NoiseDensity noise_density = density(in.step);
   const strapdown::SensorErrors errors = sensor_errors(in.x);
   strapdown::Navigation nav{in.x[ports_[position]].as<3>(), in.x[ports_[velocity]].as<3>(),
                             in.x[ports_[attitude]].as<4>()};
-  const bool wants_errors = out.phi || out.Qd;
+  const bool wants_errors = out.phi || out.Qd, at_rest = stands(in);
   SampleMemory remembered = in.memory[memory_];
   Folded folded(has_sensor_errors_);
   bool is_moved = false;
@@ -253,12 +268,13 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
     if (!group.take(rest, algorithm_.samples(), fields_)) return Result::failed(SampleGroup::implausible);
     if (group.count() == 0) continue;
     const strapdown::BodyMotion body = motion(group, errors, remembered);
-    const strapdown::Step advanced = strapdown::step(nav, body, algorithm_.update());
+    strapdown::Step advanced = strapdown::step(nav, body, algorithm_.update());
     if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
     if (!wants_errors) {
       nav = advanced.nav;
       continue;
     }
+    if (at_rest) advanced.mid.f_n << 0.0, 0.0, -advanced.mid.g;
     const strapdown::InputSensitivity input =
         has_sensor_errors_ ? input_sensitivity(correct(group.sum(), errors), errors) : no_sensitivity();
     const bool is_alone = !is_moved && rest.empty();

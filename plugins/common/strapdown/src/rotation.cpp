@@ -3,6 +3,7 @@
 #include "strapdown/rotation.hpp"
 
 #include <array>
+#include <cmath>
 
 #include <Eigen/Geometry>
 

@@ -23,6 +23,7 @@ struct Field {
   std::vector<double> values = {};  // NaN where the cell is no number
   std::int64_t empty = 0;           // cells without anything in them
   std::int64_t bad = 0;             // cells that are no number
+  std::int64_t spoilt = 0;          // those of the bad that say something else than nan: "1.2.3"
 };
 
 struct Channel {

@@ -14,6 +14,7 @@
 
 #include "binnacle/noise_estimator.hpp"
 #include "binnacle/time.hpp"
+#include "results/seconds.hpp"
 
 namespace binnacle::results {
 
@@ -126,8 +127,5 @@ struct Results {
 Results read(const std::filesystem::path& folder);
 /// The study there, if there is one; throws as read() does.
 std::optional<StudyResults> read_study(const std::filesystem::path& folder);
-
-/// The double nearest to the time, so that it equals what is read from a CSV of the same run.
-double nearest_seconds(Time t);
 
 }  // namespace binnacle::results

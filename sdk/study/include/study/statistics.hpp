@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace binnacle::study {
@@ -28,8 +27,5 @@ struct Ratio {
   double se = 0;
 };
 Ratio ratio_of(const std::vector<double>& x, const std::vector<double>& baseline, OverRuns statistic);
-
-/// [low, high] that the mean of `n` values, each χ² of `dof` degrees of freedom, lies in with this probability.
-std::pair<double, double> chi_squared_band(double dof, double n, double probability);
 
 }  // namespace binnacle::study

@@ -24,7 +24,8 @@ struct TuneOptions {
 struct Interrupted {};
 
 /// { "objective", "parameters": [{"name", "start", "end", "standard_error", "interval", "evidence", "state"}], "undetermined",
-/// "value": {"start", "end"}, "rounds", "gradient", "evaluations", "runs", "unseen", "patch", "notes" }. Throws as
+/// "value": {"start", "end"}, "rounds", "gradient", "evaluations", "runs", "judged", "lowered", "patch", "notes" }. "lowered":
+/// the rows that both ends accept are less likely at the end, so the patch is worse than what was there. Throws as
 /// score::load() does, ConfigError (B130), FilterError where a filter breaks at the start.
 Json tune(const Plan& plan, const TuneOptions& options);
 

@@ -3,6 +3,8 @@
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::auxiliary_unknown {
 
 /// A thermometer whose offset comes on an auxiliary channel: z = x0 + offset.

@@ -3,6 +3,8 @@
 // fails: robustness.nonfinite crash
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::crashes_on_nan {
 
 class Subject final : public Measurement {

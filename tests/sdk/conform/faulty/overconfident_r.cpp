@@ -3,6 +3,8 @@
 // fails: numbers.measurement.consistency
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::overconfident_r {
 
 class Subject final : public Measurement {

@@ -3,6 +3,8 @@
 // fails: life.threads
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::racy_scratch {
 
 class Subject final : public Measurement {

@@ -2,6 +2,8 @@
 // Healthy: ranges to several beacons, a row each, which bring their place along.
 #pragma once
 
+#include <cmath>
+
 #include "faulty.hpp"
 
 namespace faulty {

@@ -3,6 +3,8 @@
 // fails: numbers.process.time_invariant
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::scales_otherwise {
 
 constexpr double rate = 1e-3, density = 0.01;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wraps an angle by subtracting full turns: never over for a huge one.
 // fails: robustness.finite timeout
+#include <cmath>
+
 #include <unistd.h>
 
 #include "faulty.hpp"

@@ -3,6 +3,8 @@
 // fails: numbers.noise.outlier
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::trusts_outliers {
 
 class Subject final : public Noise {

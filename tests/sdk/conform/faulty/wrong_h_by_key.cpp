@@ -4,6 +4,8 @@
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
+#include <cmath>
+
 namespace faulty::wrong_h_by_key {
 
 class Subject final : public MeasurementModel {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/QR>
 
 namespace binnacle::algebra {
 
@@ -36,19 +37,38 @@ class Cholesky {
 };
 
 /// A = L D Lᵀ of a symmetric matrix, with pivots (Eigen::LDLT).
-class PivotedCholesky {
+template <class Matrix>
+class PivotedCholeskyOf {
  public:
-  explicit PivotedCholesky(const MatrixXd& A);
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Matrix::MaxRowsAtCompileTime, 1>;
+  explicit PivotedCholeskyOf(const Matrix& A);
 
   bool is_factored() const;
   /// Elements of D, in the order of the pivots.
-  VectorXd D() const;
+  Vector D() const;
   /// A⁻¹ B.
+  Matrix solve(const Matrix& B) const;
+  Vector solve_vector(const Vector& b) const;
+
+ private:
+  Eigen::LDLT<Matrix> factor_;
+};
+using PivotedCholesky = PivotedCholeskyOf<MatrixXd>;
+
+/// At most 8 rows, on the stack.
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
+using SmallPivotedCholesky = PivotedCholeskyOf<SmallMatrix>;
+
+class LeastSquares {
+ public:
+  explicit LeastSquares(const MatrixXd& A);
+
+  /// The X of least norm among those of least |A X - B|.
   MatrixXd solve(const MatrixXd& B) const;
   VectorXd solve_vector(const VectorXd& b) const;
 
  private:
-  Eigen::LDLT<MatrixXd> factor_;
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor_;
 };
 
 /// Eigenvalues in ascending order, and an orthonormal eigenvector in each column.
@@ -64,6 +84,12 @@ Spectrum generalized_spectrum(const MatrixXd& A, const MatrixXd& B);
 
 /// A⁻¹ by LU with partial pivots.
 MatrixXd inverse(const MatrixXd& A);
+/// A⁻¹ b by LU with partial pivots.
+VectorXd solve(const MatrixXd& A, const VectorXd& b);
+/// e^A by scaling and squaring (Higham 2005; Eigen's MatrixFunctions).
+MatrixXd exponential(const MatrixXd& A);
+/// B with B Bᵀ = A of a symmetric positive semidefinite matrix.
+MatrixXd root(const MatrixXd& A);
 /// B with B H = I: of a square H its inverse, else the weighted mean (Hᵀ R⁻¹ H)⁻¹ Hᵀ R⁻¹. Rows of H that are zero have no
 /// part in it. Empty if H does not determine it.
 MatrixXd left_inverse(const MatrixXd& H, const MatrixXd& R);

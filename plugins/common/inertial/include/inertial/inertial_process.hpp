@@ -46,6 +46,8 @@ struct ErrorModel {
 ///
 /// Several updates in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
 /// declaration lacks are of the order that is neglected anyway.
+///
+/// While the input `standing` says 1, Φ and Q are those of f_n = (0, 0, −g).
 class InertialProcess : public ProcessModel {
  public:
   Result propagate(const ProcessInput& in, ProcessOutput& out) const override;
@@ -72,6 +74,7 @@ class InertialProcess : public ProcessModel {
   strapdown::Increment corrected(const strapdown::Increment& measured, const strapdown::SensorErrors& errors) const;
   strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strapdown::SensorErrors& errors) const;
   strapdown::NoiseDensity density(const Step& step) const;
+  bool stands(const ProcessInput& in) const;
   strapdown::SensorErrors sensor_errors(const PortValues& x) const;
   void declare_transition();
   void declare_noise();
@@ -80,6 +83,8 @@ class InertialProcess : public ProcessModel {
 
   std::array<Port, 7> ports_;
   SensorFields fields_;
+  Input standing_;
+  Field is_standing_;
   Memory<SampleMemory> memory_;
   std::vector<Transition> transition_;
   std::vector<Noise> noise_;
