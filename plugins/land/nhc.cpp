@@ -16,6 +16,10 @@ FieldSpec lateral_force() {
   return field::rate("fy", "m/s^2").optional().about("specific force to the right of the vehicle; for 'lateral'");
 }
 
+FieldSpec mean_force(std::string name, std::string about) {
+  return field::rate(std::move(name), "m/s^2").optional().about("mean specific force " + about + "; for 'compliance'");
+}
+
 double squared(double value) { return value * value; }
 
 }  // namespace
@@ -60,21 +64,30 @@ ComponentSpec Nhc::spec() {
           .about("largest turn rate; samples at higher rates are unsupported"),
       Spacing::parameter()};
   spec.ports = vehicle_ports();
+  spec.ports.push_back(
+      reads("compliance", "vector:2:rad*s^2/m")
+          .optional()
+          .about("y: side-slip per specific force to the right, z: pitch of the body on its springs per "
+                 "specific force ahead; negative and positive for a car"));
+  spec.fields = {mean_force("fy", "to the right"), mean_force("fx", "ahead")};
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz"), lateral_force()};
   spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
-    "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
+    "misalignment": "misalignment", "compliance": "compliance"}, "sigma": "0.2 m/s"})json";
   spec.surroundings = R"json({"blocks": {
       "velocity": {"type": "navigation/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
       "attitude": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
-      "misalignment": {"type": "core/vector", "size": 3, "unit": "rad", "init": {"x": 0, "y": -0.01, "z": 0.02}, "sigma": 0.03}}})json";
+      "misalignment": {"type": "core/vector", "size": 3, "unit": "rad", "init": {"x": 0, "y": -0.01, "z": 0.02}, "sigma": 0.03},
+      "compliance": {"type": "core/vector", "size": 2, "unit": "rad*s^2/m", "init": {"x0": -0.007, "x1": 0.004}, "sigma": 0.01}}})json";
   return spec;
 }
 
 Nhc::Nhc(const Binding& binding)
     : velocity_(binding, declaration_),
+      compliance_(binding.port("compliance")),
       spacing_(binding, declaration_),
       omega_(binding.driving_rates("wx", "wy", "wz")),
       force_(binding.driving_rate("fy")),
+      forces_(binding.fields("fy", "fx")),
       sigma_(binding.parameters().vector("sigma")),
       angle_(binding.parameters().number("angle")),
       slip_(binding.parameters().number("slip")),
@@ -85,7 +98,12 @@ Nhc::Nhc(const Binding& binding)
   first_ = axes == "z" ? 1 : 0;
   rows_ = axes == "yz" ? 2 : 1;
   if (binding.parameters().has("max_turn_rate")) max_turn_rate_ = binding.parameters().number("max_turn_rate");
-  declaration_.rows(rows_).group(rows::these("across", rows_, "m/s"));
+  if (compliance_.is_bound() && !forces_.is_bound())
+    throw ComponentError(
+        "a compliance needs the specific force of the samples, 'fx' and 'fy', which a stationary_detector's "
+        "channels have",
+        "/blocks/compliance");
+  declaration_.rows(rows_).reads(compliance_).group(rows::these("across", rows_, "m/s"));
 }
 
 /// Of y and z, by how the vehicle moves just now: no residual is asked, whose large ones come in curves and would teach R
@@ -115,12 +133,19 @@ Result Nhc::linearize(const MeasurementInput& in, MeasurementOutput& out) const 
   if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
   Eigen::Vector2d variance;
   if (const Result result = vary(in, speed, variance); !result) return result;
-  out.rows = rows_;
+  Eigen::Vector2d force = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, 3> yz;
   yz << 0, 1, 0, 0, 0, 1;
+  if (compliance_.is_bound()) {
+    force = in.sample[forces_];
+    if (!force.allFinite()) return Result::invalid("the specific force is not finite");
+    yz.col(0) = -force.cwiseProduct(in.x[compliance_].as<2>());
+  }
+  out.rows = rows_;
   for (int row = 0; row < rows_; ++row) {
-    out.residual[row] = -value.v_v[1 + first_ + row];
+    out.residual[row] = -yz.row(first_ + row).dot(value.v_v);
     out.R(row, row) = variance[first_ + row];
+    if (const MatrixView H = out.H[compliance_]) H(row, first_ + row) = -force[first_ + row] * value.v_v[0];
   }
   if (rows_ == 2)
     velocity_.write_jacobians(value, yz, out.H);

@@ -13,8 +13,10 @@
 
 namespace binnacle::land {
 
-/// r = 0 − (v_v)_yz [m/s], H = +∂(v_v)_yz/∂δ: paper 001 (4), and (9) when the misalignment is plugged in. (9) prints
+/// r = 0 − h [m/s], h = (v_v)_yz, H = +∂h/∂δ: paper 001 (4), and (9) when the misalignment is plugged in. (9) prints
 /// δζ = true − estimate and its other errors as computed − true; here all of them are true − estimate.
+/// With compliance κ [rad per m/s²], of springs and tyres under the sample's mean specific force f: h_y = v_y − κ_y f_y v_x
+/// and h_z = v_z − κ_z f_x v_x, so ∂h/∂κ = −f v_x.
 class Nhc final : public MeasurementModel {
  public:
   static ComponentSpec spec();
@@ -26,9 +28,11 @@ class Nhc final : public MeasurementModel {
   Result vary(const MeasurementInput& in, double speed, Eigen::Vector2d& variance) const;
 
   vehicle::VehicleVelocity velocity_;
+  Port compliance_;
   Spacing spacing_;
   DrivingRateVector<3> omega_;
   DrivingRate force_;
+  Several<Field, 2> forces_;             // y: to the right, z: ahead
   Eigen::Vector2d sigma_;                // m/s: y, z
   double angle_;                         // rad
   double slip_;                          // rad per m/s²

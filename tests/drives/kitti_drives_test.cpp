@@ -48,6 +48,17 @@ TEST_CASE("KITTI's inertial data are late against its attitude") {
   CHECK(translation(*folder, "stamps.json") < 0.6 * translation(*folder, "dead-reckoning.json"));
 }
 
+TEST_CASE(
+    "springs and tyres that are estimated reduce the error of KITTI's drives, also of two that no setting has seen") {
+  const auto folder = binnacle::test::recorded_data("kitti");
+  if (!folder) return;
+  CHECK(translation(*folder, "compliance.json") < translation(*folder, "stamps.json"));
+  CHECK(translation(*folder, "compliance-09.json") < 0.7);
+  // A published filter with fixed covariances: 1.98 and 1.69 %.
+  CHECK(translation(*folder, "compliance-01.json") <= 1.98);
+  CHECK(translation(*folder, "compliance-06.json") <= 1.69);
+}
+
 TEST_CASE("the config of KITTI has no more than 25 lines") {
   std::ifstream file(BINNACLE_TEST_PROJECT "/configs/kitti/dead-reckoning.json");
   int lines = 0;

@@ -312,23 +312,52 @@ TEST_CASE("the limits can be changed and turned off") {
   CHECK_THROWS_AS(with(R"({"nees": false})"), ConfigError);
 }
 
+namespace {
+
+void carry(Session& session, double t) {
+  const double rate = 0;
+  session.push(session.channel("v"), nanoseconds(t), nanoseconds(t + 0.1), {&rate, 1});
+}
+
+/// A position that is carried by a measured velocity, ten times a second for ten seconds.
+Session carried() {
+  Session session(composition_of(R"({"binnacle": 1,
+    "sources": {"v": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
+                "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+      "process": {"go": {"type": "carried", "input": "v", "blocks": {"x": "position"}}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [1]}}}}})"));
+  for (int i = 0; i < 100; ++i) carry(session, 0.1 * i);
+  return session;
+}
+
+}  // namespace
+
 TEST_CASE("a hole that the filter bridges is a doubt with its place and length") {
   const auto with_hole = [](double length) {
-    Session session(composition_of(R"({"binnacle": 1,
-      "sources": {"v": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
-                  "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
-      "filters": {"f": {
-        "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
-        "process": {"go": {"type": "carried", "input": "v", "blocks": {"x": "position"}}},
-        "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [1]}}}}})"));
-    const double rate = 0;
-    for (int i = 0; i < 100; ++i)
-      session.push(session.channel("v"), nanoseconds(0.1 * i), nanoseconds(0.1 * (i + 1)), {&rate, 1});
-    session.push(session.channel("v"), nanoseconds(10 + length), nanoseconds(10.1 + length), {&rate, 1});
+    Session session = carried();
+    carry(session, 10 + length);
     return session;
   };
   CHECK_FALSE(has_code(with_hole(0.4), "B108"));
   CHECK(has_code(with_hole(2), "B108"));
+}
+
+TEST_CASE("a filter whose input has ended is lost, and one sample labelled an hour ahead ends no input") {
+  Session ended = carried();
+  for (int i = 0; i < 45; ++i) {
+    CHECK(ended.verdict(FilterId{0}) == (i <= 30 ? Verdict::ok : Verdict::lost));
+    push(ended, "z", 11.0 + i, {0});
+  }
+  CHECK(said(ended).find("B118 the input of 'f' ended at 10 s, 45.0 s before the newest sample (limit 30.0 s)") != std::string::npos);
+  carry(ended, 55);
+  CHECK_FALSE(has_code(ended, "B118"));
+
+  Session mislabelled = carried();
+  push(mislabelled, "z", 3610, {0});
+  for (int i = 0; i < 20; ++i) push(mislabelled, "z", 11.0 + i, {0});
+  CHECK(mislabelled.verdict(FilterId{0}) == Verdict::ok);
 }
 
 }  // namespace trust_test

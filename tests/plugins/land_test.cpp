@@ -32,7 +32,8 @@ constexpr double degree = M_PI / 180;
 std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 
 struct Bench {
-  AdditiveKind velocity{"velocity.ned", 3, "m/s"}, two{2, "rad"}, three{3, "rad"}, bias{3, "rad/s"}, scale{1, "1"};
+  AdditiveKind velocity{"velocity.ned", 3, "m/s"}, two{2, "rad"}, three{3, "rad"}, bias{3, "rad/s"}, scale{1, "1"},
+      compliance{2, "rad*s^2/m"};
   AttitudeKind attitude;
   PositionKind position;
 
@@ -127,6 +128,31 @@ TEST_CASE("nhc: its own misalignment port is that of a mounted attitude") {
   REQUIRE((by_block.H[0] - by_port.H[0]).norm() < 1e-12);
   REQUIRE((by_block.H[1] * by_attitude - by_port.H[1]).norm() < 1e-12);
   REQUIRE((by_block.H[1] * by_zeta - by_port.H[2]).norm() < 1e-12);
+}
+
+TEST_CASE("nhc: springs and tyres give way under the specific force") {
+  const Bench bench;
+  auto ports_of = bench.with(&bench.three);
+  ports_of["compliance"] = &bench.compliance;
+  PortStates ports = bench.askew(&bench.three);
+  ports.push_back({&bench.compliance, {-0.008, 0.005}, 1e-3, 1e-16});
+  const std::vector<double> forces{3, 2}, unknown{3, std::nan("")};  // fy, fx
+  for (const char* axes : {"yz", "y", "z"}) {
+    INFO(axes);
+    const auto model = bind<Nhc>({{{"sigma", 0.2}, {"axes", axes}}, ports_of, {}});
+    REQUIRE(model->declaration().read_ports.size() == 4);
+    REQUIRE_NO_COMPLAINTS(check_measurement(*model, Nhc::spec(), at(1, forces), ports, {}, {1e-8}, 1e-13));
+    REQUIRE(measured(*model, at(1, unknown), ports).result.refusal == Refusal::invalid);
+  }
+  // In a turn to the right a car slips to the left; where it accelerates, its nose rises, and it moves down in its own axes.
+  const double v_x = 20;
+  const Vector3d v_v{v_x, -0.008 * 3 * v_x, 0.005 * 2 * v_x};
+  ports = {{&bench.velocity, numbers(v_v)}, {&bench.attitude, {1, 0, 0, 0}}, {}, {&bench.compliance, {-0.008, 0.005}}};
+  ports_of.erase("misalignment");
+  const auto model = bind<Nhc>({{{"sigma", 0.2}}, ports_of, {}});
+  REQUIRE(measured(*model, at(1, forces), ports).residual.norm() < 1e-14);
+  // Without the forces there is no such model.
+  REQUIRE_THROWS_AS(bind<Nhc>({{{"sigma", 0.2}}, ports_of, {"fx"}}), ComponentError);
 }
 
 TEST_CASE("nhc: R grows with the speed and with what is felt of a turn") {

@@ -110,16 +110,8 @@ bool is_intact(const RowMonitor& row, int groups) {
          (row.used == 0 || base::is_near(row.last)) && are_intact({row.bias, row.correlation, row.long_bias});
 }
 
-/// Rows of a part without groups are one.
-int groups_of(const MeasurementPlan& measurement) {
-  std::size_t groups = 0;
-  for (const auto& part : measurement.parts)
-    groups += std::max<std::size_t>(1, part.model->declaration().groups.size());
-  return static_cast<int>(groups);
-}
-
 bool is_intact(const MeasurementPlan& measurement, const std::byte* arena) {
-  const int groups = groups_of(measurement);
+  const int groups = static_cast<int>(measurement.systematic.size());
   const std::span rows(measurement.rows.in(arena), measurement.rows.count);
   return is_intact(*measurement.tally.in(arena)) && is_intact(*measurement.nis.in(arena)) &&
          all_of(rows, [&](const RowMonitor& row) { return is_intact(row, groups); });

@@ -70,7 +70,7 @@ void TimeLine::watch_repeats(const SampleView& sample) {
 void TimeLine::input(const SampleView& sample) {
   if (!is_complete(sample)) {
     ++head_.gaps;
-    head_.newest = std::max(head_.newest, sample.t);  // the input has ended where nothing complete follows
+    see(sample.t);  // the input has ended where nothing complete follows
     return;
   }
   watch_repeats(sample);
@@ -153,7 +153,7 @@ void TimeLine::add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, con
 }
 
 void TimeLine::offer(int measurement, const SampleView& sample) {
-  head_.newest = std::max(head_.newest, sample.t);
+  see(sample.t);
   if (sample.t < head_.t) {
     work_.refuse(Outcome::late, "older than the filter's time");
   } else if (plan_.input_channel >= 0 && sample.t > head_.input_end) {

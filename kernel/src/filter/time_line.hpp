@@ -3,6 +3,7 @@
 // cut, what bridges a hole, and when the filter starts. What is done then is another's work.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -68,6 +69,11 @@ class TimeLine {
   bool is_complete(const SampleView& sample) const;
   bool bridge(Time until, const SampleView& sample);
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
+  /// A label far ahead moves the newest by no more than `silent`: one that is wrong does not end the input.
+  void see(Time t) {
+    if (head_.input_end != no_time)
+      head_.newest = std::max(head_.newest, std::min(t, std::max(head_.newest, head_.input_end) + plan_.trust.silent));
+  }
   void enqueue(int measurement, const SampleView& sample);
   void drain_queue(Time until);
   QueueEntry take();

@@ -28,8 +28,11 @@ class Examination {
             .since = head_.stopped_at,
             .figure = seconds(head_.stopped_by),
             .limit = seconds(plan_.longest_bridge)});
-    if (head_.starts > 1)
-      see_({.doubt = Doubt::restarted, .since = head_.first_restart, .figure = double(head_.starts - 1)});
+    if (head_.starts > 1) {
+      const bool is_by_hole = head_.starts == 2 && head_.stopped_by > 0 && head_.stopped_at < head_.first_restart;
+      see_({Doubt::restarted, is_by_hole ? Verdict::ok : Verdict::doubtful, -1, -1, 0, head_.first_restart,
+            double(head_.starts - 1), is_by_hole ? seconds(head_.stopped_by) : 0.0});
+    }
     examine_covariance();
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
     find_score_limits();
@@ -37,14 +40,14 @@ class Examination {
       if (plan_.measurements[as_size(m)].is_watched) examine(m);
     see_lasting(Doubt::bridged, head_.longest_hole_at, head_.longest_hole, trust_.hole);
     if (plan_.input_channel >= 0 && head_.newest > head_.input_end)
-      see_lasting(Doubt::input_ended, head_.input_end, head_.newest - head_.input_end, trust_.silent);
+      see_lasting(Doubt::input_ended, head_.input_end, head_.newest - head_.input_end, trust_.silent, Verdict::lost);
     see_lasting(Doubt::frozen, head_.longest_repeat_at, head_.longest_repeat, trust_.frozen);
   }
 
  private:
-  void see_lasting(Doubt doubt, Time since, Time lasted, Time limit) {
+  void see_lasting(Doubt doubt, Time since, Time lasted, Time limit, Verdict verdict = Verdict::doubtful) {
     if (limit > 0 && lasted > limit)
-      see_({.doubt = doubt, .since = since, .figure = seconds(lasted), .limit = seconds(limit)});
+      see_({.doubt = doubt, .verdict = verdict, .since = since, .figure = seconds(lasted), .limit = seconds(limit)});
   }
 
   /// P as it is now, or as it was found before; and what it could not hold.

@@ -61,7 +61,7 @@ std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, 
                                  : "the last was refused because " + last_refusal);
   if (reason.doubt == Doubt::restarted)
     return "'" + filter.name + "' started anew " + times(reason) + ", first at " + since(reason) +
-           ": its earlier estimates were wrong";
+           (reason.limit > 0 ? ", after a hole of " + limit + " s in its input" : ": its earlier estimates were wrong");
   if (reason.doubt == Doubt::input_ended)
     return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
            " s before the newest sample (limit " + limit + " s)";
@@ -122,8 +122,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::unresolved:
       return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
              "): \"covariance\": \"joseph\" has too few digits for this, so the sigmas after it are zero or wrong; "
-             "\"ud\" and " +
-             "\"square_root\" have enough";
+             "\"ud\" and \"square_root\" have enough";
     case Doubt::indefinite:
     case Doubt::bridged:
     case Doubt::unaided:
