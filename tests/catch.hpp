@@ -10,6 +10,7 @@ namespace binnacle::test {
 inline auto Contains(const std::string& text) { return Catch::Matchers::ContainsSubstring(text); }
 }  // namespace binnacle::test
 #else
+#define CATCH_CONFIG_FAST_COMPILE  // an exception in REQUIRE is reported with its case, not with its expression
 #include <catch2/catch.hpp>
 
 namespace binnacle::test {
