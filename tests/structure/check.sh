@@ -53,13 +53,13 @@ paths() {
 }
 
 license() {
-  local file
   find . \( -name build -o -name .git -o -name .cache -o -path ./tests/structure/bad/license \) -prune -o -type f \
-    \( -name '*.cpp' -o -name '*.hpp' -o -name '*.cmake' -o -name CMakeLists.txt -o -name '*.sh' -o -name run \) -print |
-    while IFS= read -r file; do
-      head -n 2 -- "$file" | grep -q 'SPDX-License-Identifier: Apache-2.0' ||
-        echo "${file#./}:1: the licence line is missing"
-    done
+    \( -name '*.cpp' -o -name '*.hpp' -o -name '*.cmake' -o -name CMakeLists.txt -o -name '*.sh' -o -name run \) -print0 |
+    xargs -0r awk '
+      BEGIN { for (i = 1; i < ARGC; i++) lacks[ARGV[i]] }
+      /SPDX-License-Identifier: Apache-2[.]0/ { delete lacks[FILENAME] }
+      FNR == 2 { nextfile }
+      END { for (file in lacks) print substr(file, 3) ":1: the licence line is missing" }' | sort
 }
 
 # The layout is that of one version of clang-format; another one would find fault with what this one made.
@@ -80,15 +80,14 @@ test_names() {
 
 # Tests are compiled in batches of files: each stands in the namespace of its name, where nothing clashes. No macros.
 own_namespace() {
-  local file
-  find tests -mindepth 2 -maxdepth 2 -name '*_test.cpp' | sort | while IFS= read -r file; do
-    awk -v file="$file" -v name="$(basename "$file" .cpp)" '
-      $0 == "namespace " name " {" { inside = seen = 1; next }
-      $0 == "}  // namespace " name { inside = 0; next }
-      /^[[:space:]]*#[[:space:]]*(define|undef)/ { print file ":" FNR ": a macro, which the next file of the batch would see"; next }
-      !inside && !/^($|\/\/|#)/ { print file ":" FNR ": outside of namespace " name }
-      END { if (!seen) print file ":1: it has no namespace " name }' "$file"
-  done
+  find tests -mindepth 2 -maxdepth 2 -name '*_test.cpp' -print0 | sort -z | xargs -0r awk '
+    function end() { if (file != "" && !seen) print file ":1: it has no namespace " name }
+    FNR == 1 { end(); file = name = FILENAME; gsub(/.*\/|[.]cpp$/, "", name); inside = seen = 0 }
+    $0 == "namespace " name " {" { inside = seen = 1; next }
+    $0 == "}  // namespace " name { inside = 0; next }
+    /^[[:space:]]*#[[:space:]]*(define|undef)/ { print file ":" FNR ": a macro, which the next file of the batch would see"; next }
+    !inside && !/^($|\/\/|#)/ { print file ":" FNR ": outside of namespace " name }
+    END { end() }'
 }
 
 vocabulary() { python3 "$here/vocabulary.py" . | grep -E '^[^:]+:[0-9]+: '; }
