@@ -329,6 +329,7 @@ Session carried() {
       "process": {"go": {"type": "carried", "input": "v", "blocks": {"x": "position"}}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [1]}}}}})"));
   for (int i = 0; i < 100; ++i) carry(session, 0.1 * i);
+  push(session, "z", 10, {0});
   return session;
 }
 
