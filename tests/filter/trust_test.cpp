@@ -351,7 +351,7 @@ TEST_CASE("a filter whose input has ended is lost, and one sample labelled an ho
     CHECK(ended.verdict(FilterId{0}) == (i <= 30 ? Verdict::ok : Verdict::lost));
     push(ended, "z", 11.0 + i, {0});
   }
-  CHECK(said(ended) == "lost\nB118 the input of 'f' ended at 10.000 s, 45.0 s before the newest sample (limit 30.0 s)");
+  CHECK(said(ended) == "lost\nB118 the input of 'f' ended at 10.0 s, 45 s before the newest sample (limit 30 s)");
   carry(ended, 55);
   CHECK_FALSE(has_code(ended, "B118"));
 
