@@ -33,7 +33,7 @@ enum class Doubt : unsigned char {
   unaided,    ///< no sample of any measurement was used
   silent,     ///< the longest time [s] without a sample of use, in which what the measurement sees became 3 times as
               ///< uncertain; at least `limit`
-  restarted,  ///< started anew `figure` times; once, after a hole of `limit` s in the driving input, is a note
+  restarted,  ///< started anew `figure` times; once, after a hole of `limit` s in the driving input; 0: for other reasons
   input_ended,  ///< measurements went on for `figure` s after the end of the driving input, longer than `limit`
   stopped,      ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
   lagging,      ///< live estimates were up to `figure` s behind what had arrived, longer than the history, `limit`
