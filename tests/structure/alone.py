@@ -13,6 +13,7 @@ import concurrent.futures
 import hashlib
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -22,7 +23,7 @@ from pathlib import Path
 def parse_only(command):
     """The compiler's words for what a compile command compiles, without output and precompiled header."""
     words, kept, skip = shlex.split(command), [], False
-    while words and not Path(words[0]).name.startswith(("c++", "g++", "clang++")):
+    while words and not re.fullmatch(r"(c[+][+]|g[+][+]|clang[+][+]|cc|gcc|clang)(-[0-9.]+)?", Path(words[0]).name):
         words.pop(0)  # ccache
     for word in words:
         if skip:
@@ -56,6 +57,8 @@ def jobs_of(project, commands):
             continue  # written by the build
         words = parse_only(command["command"])
         jobs.append((str(path.relative_to(project)), words, None, command["directory"]))
+        if path.suffix == ".c":
+            continue  # its flags are none for C++
         for folder in (path.parent, *path.parent.parents):
             if folder not in near or len(near[folder][0]) < len(words):  # the source that sees most folders
                 near[folder] = ([w for w in words if w != command["file"]], command["directory"])
