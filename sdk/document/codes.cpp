@@ -189,8 +189,7 @@ constexpr CodeEntry entries[] = {
      "is too small."},
     {"B106", "recovered",
      "A measurement was locked out. The filter increased the covariance until the measurement passed again. It is "
-     "`lost` "
-     "if nothing confirms what it accepted: [who is right](trust.md#who-is-right).",
+     "`lost` if nothing confirms what it accepted: [who is right](trust.md#who-is-right).",
      "Look for the cause before this time. The estimates from the first refusal to the recovery are wrong, or later "
      "ones."},
     {"B107", "locked out for a while",

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -113,11 +114,18 @@ inline std::string receiver(const std::string& gate, double sigma, double q) {
         "speed": {"type": "linear_measurement", "blocks": {"x": "velocity"}, "fields": {"z0": "z1"}, "sigma": [0.1]}}}}}}})";
 }
 
-/// Of the first filter.
+/// Reasons and notes of the first filter.
 inline std::vector<TrustReason> reasons_of(const Session& session) {
   std::vector<TrustReason> reasons(16);
   reasons.resize(session.reasons(FilterId{0}, reasons));
   return reasons;
+}
+
+/// The first of this kind among them.
+inline std::optional<TrustReason> reason_of(const Session& session, Doubt doubt) {
+  for (const TrustReason& reason : reasons_of(session))
+    if (reason.doubt == doubt) return reason;
+  return std::nullopt;
 }
 
 }  // namespace filter_tests

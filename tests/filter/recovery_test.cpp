@@ -19,7 +19,7 @@ using filter_tests::composition_of;
 using filter_tests::fix_and_speed;
 using filter_tests::line;
 using filter_tests::push;
-using filter_tests::reasons_of;
+using filter_tests::reason_of;
 using filter_tests::receiver;
 
 namespace {
@@ -79,9 +79,8 @@ Session with_wrong_speed(const std::string& config, double offset, double until)
 
 /// By a verdict of its own what a recovery is worth; ok where there was none.
 Verdict of_recovery(const Session& session) {
-  for (const TrustReason& reason : reasons_of(session))
-    if (reason.doubt == Doubt::recovered) return reason.verdict;
-  return Verdict::ok;
+  const auto reason = reason_of(session, Doubt::recovered);
+  return reason ? reason->verdict : Verdict::ok;
 }
 
 }  // namespace
@@ -210,9 +209,8 @@ TEST_CASE("a wrong state starts anew at once where the channel that it would sta
     }
     CHECK(counts(session).recoveries == 1);
     CHECK(std::abs(session.state(FilterId{0})[0] - 100) < 2);
-    for (const TrustReason& reason : reasons_of(session))
-      if (reason.doubt == Doubt::restarted) return reason.since;
-    return no_time;
+    const auto restarted = reason_of(session, Doubt::restarted);
+    return restarted ? restarted->since : no_time;
   };
   CHECK(starts_anew_after(0) == no_time);
   CHECK(starts_anew_after(100) == nanoseconds(104.0));

@@ -14,6 +14,7 @@ using namespace binnacle;
 
 using filter_tests::composition_of;
 using filter_tests::push;
+using filter_tests::reason_of;
 
 namespace {
 
@@ -132,12 +133,9 @@ TEST_CASE("a hole longer than longest_bridge stops the filter until it can start
   CHECK(position(session) == 8);
   CHECK_FALSE(has_code(session, "B116"));
   CHECK(has_code(session, "B108"));
+  CHECK(has_code(session, "B115"));
   // The hole is why: no estimate before it was wrong.
-  const auto restarted = [&] {
-    for (const TrustReason& reason : filter_tests::reasons_of(session))
-      if (reason.doubt == Doubt::restarted) return reason;
-    return TrustReason{};
-  };
+  const auto restarted = [&] { return reason_of(session, Doubt::restarted).value(); };
   CHECK(restarted().limit == 7);
   drive(session, 21, 22);
   push(session, "z", 22, {8});

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <random>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "line.hpp"
@@ -14,7 +13,7 @@ namespace scatter_test {
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::push;
-using filter_tests::reasons_of;
+using filter_tests::reason_of;
 using filter_tests::receiver;
 
 namespace {
@@ -56,12 +55,6 @@ double error(Session& session, Drive drive) {
   return std::sqrt(sum / 300);
 }
 
-const TrustReason* scattered(const std::vector<TrustReason>& reasons) {
-  for (const auto& reason : reasons)
-    if (reason.doubt == Doubt::scattered) return &reason;
-  return nullptr;
-}
-
 }  // namespace
 
 TEST_CASE("fixes that scatter by more than they claim: R is widened, and the error is that of the right sigma") {
@@ -72,8 +65,7 @@ TEST_CASE("fixes that scatter by more than they claim: R is widened, and the err
         CAPTURE(gate, factor, seed);
         Session session(composition_of(receiver(gate, claimed, acceleration)));
         own += std::pow(error(session, Drive(seed, factor * claimed)), 2);
-        const auto reasons = reasons_of(session);
-        const TrustReason* const found = scattered(reasons);
+        const auto found = reason_of(session, Doubt::scattered);
         if (factor > 4) REQUIRE(found);  // three times too small may be refused less than twenty times
         if (found) {
           CHECK(session.verdict({0}) != Verdict::ok);
@@ -109,7 +101,7 @@ TEST_CASE("a step, a ramp and a frozen position are no scatter, and nor are outl
                                            : frozen - drive.position;
           drive.second(session, t, wrong);
         }
-        CHECK_FALSE(scattered(reasons_of(session)));
+        CHECK_FALSE(reason_of(session, Doubt::scattered));
       }
 }
 
