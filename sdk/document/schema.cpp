@@ -460,6 +460,8 @@ void add_filter_definitions(Json& definitions) {
                      or_patch(closed_object({{"type", {{"const", "fixed_interval"}}},
                                              {"iterations", {{"type", "integer"}, {"minimum", 0}, {"maximum", 100}}}},
                                             {"type"}))}}})},
+       {"limits", described("largest errors that do not matter, by block; without it 3 sigma of each estimate",
+                            named(ref("quantity")))},
        {"implied_states",
         described(
             "values of blocks implied by one measurement, with everything else from the filter; scored and recorded",

@@ -32,6 +32,7 @@ RELATED = {
     "allan": (["inspect", "tune"], ["consistent-filter"]),
     "report": (["run", "export"], ["report"]),
     "export": (["run", "report"], ["export"]),
+    "verdict": (["run", "report"], ["trust"]),
     "new": (["conform", "describe"], ["first-plugin"]),
     "conform": (["new"], ["conformance", "test-a-plugin"]),
     "version": ([], ["abi-rules"]),

@@ -52,6 +52,8 @@ std::pair<int, int> rows_of(const UpdateRecord& record, int group) {
 FilterScore::FilterScore(const ScorePlan& plan, int filter)
     : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]), gates_(info_), first_samples_(info_) {
   size_scratch();
+  if (std::ranges::any_of(info_.measurements, &MeasurementInfo::is_watched))
+    effects_ = std::make_unique<BiasEffects>(info_);
   for (const auto& implied_state : plan.implied_states[as_size(filter)])
     implied_states_.emplace_back(implied_state, info_.blocks[as_size(implied_state.block)]);
   add_references();
@@ -273,11 +275,13 @@ void FilterScore::reference(int channel, const SampleView& sample) {
 
 void FilterScore::started(Time t, const double* x, ConstMatrixView P) {
   if (next_) next_->started(t, x, P);
+  if (effects_) effects_->started(t);
 }
 
 void FilterScore::stepped(const StepRecord& record) {
   ++changes_;
   if (next_) next_->stepped(record);
+  if (effects_) effects_->stepped(record);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pending_.size(); ++i) {
     if (pending_[i].t < record.t0) continue;
@@ -301,6 +305,7 @@ void FilterScore::stepped(const StepRecord& record) {
 void FilterScore::offered(const UpdateRecord& record) {
   ++changes_;
   if (next_) next_->offered(record);
+  if (effects_) effects_->offered(record);
   if (is_again(record.t)) return;
   gates_.offered(record);
   first_samples_.offered(record);
@@ -314,6 +319,8 @@ void FilterScore::offered(const UpdateRecord& record) {
 }
 
 void FilterScore::finish() {
+  if (effects_ && session_ && session_->started(FilterId{filter_}))
+    effects_->finish(session_->covariance(FilterId{filter_}));
   for (const auto& pending : pending_)
     if (session_ && pending.t == session_->time(FilterId{filter_}))
       score(pending, session_->state(FilterId{filter_}).data());
@@ -327,6 +334,7 @@ void FilterScore::exchange(StateBytes& bytes) {
   bytes.value(seen_until_);
   gates_.exchange(bytes);
   first_samples_.exchange(bytes);
+  if (effects_) effects_->exchange(bytes);
   for (auto& reference : references_) {
     for (auto& series : reference.series) series.exchange(bytes);
     reference.nees.exchange(bytes);

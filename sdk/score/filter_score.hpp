@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bias_effects.hpp"
 #include "binnacle/session.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"
@@ -59,6 +60,7 @@ class FilterScore : public StepObserver {
   void reference(int channel, const SampleView& sample);
   Wants wants() const override {
     Wants all = next_ ? next_->wants() : Wants::nothing;
+    if (effects_) all = all | effects_->wants();
     if (!pending_.empty()) all = all | Wants::step_covariance;
     if (!implied_states_.empty()) all = all | Wants::jacobian | Wants::update_covariance;
     return all;
@@ -66,6 +68,7 @@ class FilterScore : public StepObserver {
   void started(Time t, const double* x, ConstMatrixView P) override;
   void rewound(Time t) override {
     if (next_) next_->rewound(t);
+    if (effects_) effects_->rewound();
     seen_until_ = newest_;
   }
   void restored(Time t, const double* x, ConstMatrixView P) override {
@@ -93,6 +96,9 @@ class FilterScore : public StepObserver {
   /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
   std::vector<RecordColumn> noise_columns() const;
   void latest_noise(double* values) const;
+
+  /// Null where nothing is watched.
+  const BiasEffects* effects() const { return effects_.get(); }
 
   // ---- figures (filter_figures.cpp)
   std::vector<Scored> scored() const;
@@ -211,6 +217,7 @@ class FilterScore : public StepObserver {
   Session* session_ = nullptr;
   Time start_ = no_time;  // of a filter that is smoothed
   StepObserver* next_ = nullptr;
+  std::unique_ptr<BiasEffects> effects_;
   GateWatch gates_;
   StartWatch first_samples_;
   std::vector<Reference> references_;

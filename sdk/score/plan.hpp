@@ -13,6 +13,7 @@
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
 #include "score/sections.hpp"
+#include "score/verdict.hpp"
 #include "segments.hpp"
 #include "smooth/fixed_lag.hpp"
 
@@ -61,6 +62,7 @@ struct ScorePlan : SectionData {
   std::vector<FilterInfo> filters;  // of the composition, then "ins.smoothed" and the like
   std::vector<SmoothingPlan> smoothings;
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
+  std::vector<Limits> limits;                                 // by filter of the composition
   std::vector<ReferencePlan> references;
   TimeSpan span = all_time;
   Place place;                       // of the span, where the config gives one

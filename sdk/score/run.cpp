@@ -114,8 +114,10 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& score : scores_) score->show_errors(observer_);
     std::vector<std::vector<Time>> none(scores_.size());
     if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
-    for (int f = 0; f < static_cast<int>(scores_.size()); ++f)
-      verdict_ = std::max(verdict_, final_verdict(*session_, {f}));
+    for (int f = 0; f < static_cast<int>(scores_.size()); ++f) {
+      verdicts_.push_back(sized_verdict(*session_, {f}, scores_[as_size(f)]->effects(), plan_->limits[as_size(f)]));
+      verdict_ = std::max(verdict_, verdict_of(verdicts_.back()));
+    }
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     if (options_.wants_summary) summarize();
   }
@@ -142,8 +144,9 @@ class Scorer final : public binnacle::RunObserver {
       auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
       const FilterId filter{static_cast<int>(f)};
       figures.update(run_figures(*session_, filter));
+      figures["verdict"] = verdicts_[f];
       add_wait(filter, figures);
-      doubts_.merge(session_->doubts(filter));
+      doubts_.merge(score::doubts(*session_, filter, verdicts_[f]));
       scores_[f]->warn_of_spans(doubts_);
     }
     add_causes();
@@ -193,7 +196,7 @@ class Scorer final : public binnacle::RunObserver {
   void add_causes() {
     for (std::size_t i = 0; i < causes_.size(); ++i) {
       const FilterId filter{plan_->motion[i].filter};
-      if (final_verdict(*session_, filter) == Verdict::ok) continue;
+      if (verdict_of(verdicts_[as_size(filter.index)]) == Verdict::ok) continue;
       const Diagnostics causes = causes_[i]->causes();
       doubts_.merge(causes);
       Json& list = filters_[plan_->filters[as_size(filter.index)].name]["verdict"]["likely_causes"] = Json::array();
@@ -217,6 +220,7 @@ class Scorer final : public binnacle::RunObserver {
   bool records_ = false;
   Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();
   std::vector<MetricValue> values_;
+  std::vector<Json> verdicts_;  // by filter
   Verdict verdict_ = Verdict::ok;
   Diagnostics doubts_;
   const Session* session_ = nullptr;  // of the run under way

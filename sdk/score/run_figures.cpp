@@ -2,6 +2,8 @@
 // What became of a filter's samples, as the summary of a run shows it.
 #include "run_figures.hpp"
 
+#include <algorithm>
+
 #include "conservative.hpp"
 
 namespace binnacle::score {
@@ -62,38 +64,70 @@ Json notes(const Session& session, FilterId filter) {
   return list;
 }
 
-/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }], "notes", "unwatched": [names] }
-Json verdict(const Session& session, FilterId filter) {
-  const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
-  const Diagnostics doubts = session.doubts(filter, Verdict::ok);
-  std::vector<TrustReason> reasons(doubts.items().size());
-  session.reasons(filter, reasons);
-  Json list = Json::array(), besides = notes(session, filter);
-  for (std::size_t i = 0; i < reasons.size(); ++i) {
-    const bool is_note = reasons[i].verdict == Verdict::ok;
-    Json entry{{"code", doubts.items()[i].code}};
-    if (!is_note) entry["verdict"] = verdict_name(reasons[i].verdict);
-    if (reasons[i].measurement >= 0) {
-      const auto& measurement = info.measurements[static_cast<std::size_t>(reasons[i].measurement)];
-      entry["measurement"] = measurement.name;
-      if (reasons[i].group >= 0) {
-        entry["part"] = measurement.groups[static_cast<std::size_t>(reasons[i].group)].name;
-        entry["rows"] = Json::array({reasons[i].key});
-      }
+/// { "position.north": …, … }: `of(row of P)`, of every estimate; nothing where `of` gives null.
+template <class Of>
+Json by_estimate(const FilterInfo& info, Of&& of) {
+  Json all = Json::object();
+  for (const auto& block : info.blocks)
+    for (std::size_t a = 0; a < block.active.size(); ++a) {
+      const auto& component = block.declaration->error[static_cast<std::size_t>(block.active[a])];
+      Json entry = of(block.first_row + static_cast<int>(a));
+      entry["unit"] = component.unit;
+      all[block.name + "." + component.name] = std::move(entry);
     }
-    if (reasons[i].since != no_time) entry["since_s"] = seconds(reasons[i].since);
-    entry["text"] = doubts.items()[i].message;
-    (is_note ? besides : list).push_back(std::move(entry));
+  return all;
+}
+
+/// A bias of one row of each measurement that would most likely not be found, and the estimate that it moves farthest.
+Json unseen(const FilterInfo& info, const BiasEffects& effects) {
+  Json list = Json::array();
+  for (std::size_t m = 0; m < info.measurements.size(); ++m) {
+    const BiasEffects::Row* worst = nullptr;
+    for (const auto& row : effects.rows())
+      if (row.measurement == static_cast<int>(m) && row.unseen > 0 &&
+          (!worst || row.unseen_in_sigma > worst->unseen_in_sigma))
+        worst = &row;
+    if (!worst) continue;
+    const auto& group = info.measurements[m].groups[static_cast<std::size_t>(worst->group)];
+    Json entry{{"measurement", info.measurements[m].name},
+               {"part", group.name},
+               {"rows", {worst->key}},
+               {"bias", worst->unseen},
+               {"unit", group.unit},
+               {"for_s", worst->unseen_for}};
+    const Json rows = by_estimate(info, [](int at) { return Json{{"row", at}}; });
+    for (const auto& [estimate, its] : rows.items())
+      if (its.at("row") == worst->unseen_at)
+        entry.update(Json{{"estimate", estimate}, {"effect", worst->unseen_effect}, {"effect_unit", its.at("unit")}});
+    list.push_back(std::move(entry));
   }
-  if (!session.healthy(filter))
-    list.push_back({{"code", "B080"}, {"verdict", "lost"}, {"text", "the filter broke: " + session.diagnosis(filter)}});
-  if (!session.started(filter))
-    list.push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
-  Json verdict{{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
-  if (!besides.empty()) verdict["notes"] = std::move(besides);
-  for (const auto& measurement : info.measurements)
-    if (!measurement.is_watched) verdict["unwatched"].push_back(measurement.name);
-  return verdict;
+  return list;
+}
+
+/// A reason or note, but for its text; with what its size is known by.
+Json entry_of(const TrustReason& reason, const FilterInfo& info, const BiasEffects* effects) {
+  Json entry;
+  if (reason.verdict != Verdict::ok) entry["verdict"] = verdict_name(reason.verdict);
+  if (reason.measurement >= 0) {
+    const auto& measurement = info.measurements[static_cast<std::size_t>(reason.measurement)];
+    entry["measurement"] = measurement.name;
+    if (reason.group >= 0) {
+      entry["part"] = measurement.groups[static_cast<std::size_t>(reason.group)].name;
+      entry["rows"] = Json::array({reason.key});
+    }
+  }
+  if (reason.since != no_time) entry["since_s"] = seconds(reason.since);
+  const bool is_of_row = reason.doubt == Doubt::bias || reason.doubt == Doubt::correlation;
+  if (!effects || (!is_of_row && reason.doubt != Doubt::nis)) return entry;
+  entry["significant"] = verdict_name(reason.verdict);
+  if (!is_of_row) entry["ratio"] = reason.figure;
+  const auto* const row = is_of_row ? effects->find(reason.measurement, reason.group, reason.key) : nullptr;
+  if (row)
+    entry["effects"] = by_estimate(info, [&](int at) {
+      const BiasEffects::Effect effect = effects->effect(*row, at);
+      return Json{{"largest", effect.largest}, {"of_3_sigma", effect.of_3_sigma}};
+    });
+  return entry;
 }
 
 Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& counts) {
@@ -126,8 +160,44 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
 
 }  // namespace
 
-Verdict final_verdict(const Session& session, FilterId filter) {
-  return session.started(filter) ? session.verdict(filter) : Verdict::lost;
+Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects, const Limits& limits) {
+  const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
+  const Diagnostics doubts = session.doubts(filter, Verdict::ok);
+  std::vector<TrustReason> reasons(doubts.items().size());
+  session.reasons(filter, reasons);
+  Json verdict{{"state", "ok"}, {"reasons", Json::array()}};
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    Json entry{{"code", doubts.items()[i].code}};
+    entry.update(entry_of(reasons[i], info, effects));
+    entry["text"] = doubts.items()[i].message;
+    verdict["reasons"].push_back(std::move(entry));
+  }
+  if (!session.healthy(filter))
+    verdict["reasons"].push_back(
+        {{"code", "B080"}, {"verdict", "lost"}, {"text", "the filter broke: " + session.diagnosis(filter)}});
+  if (!session.started(filter))
+    verdict["reasons"].push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
+  verdict["notes"] = notes(session, filter);
+  if (effects) {
+    verdict["estimates"] = by_estimate(info, [&](int at) {
+      return Json{{"largest_sigma", effects->largest_sigma(at)}};
+    });
+    if (Json all = unseen(info, *effects); !all.empty()) verdict["unseen"] = std::move(all);
+  }
+  apply_limits(verdict, limits);
+  for (const auto& measurement : info.measurements)
+    if (!measurement.is_watched) verdict["unwatched"].push_back(measurement.name);
+  return verdict;
+}
+
+Diagnostics doubts(const Session& session, FilterId filter, const Json& verdict) {
+  const Diagnostics all = session.doubts(filter, Verdict::ok);
+  Diagnostics doubts;
+  for (const auto& doubt : all.items())
+    if (std::ranges::any_of(verdict.at("reasons"),
+                            [&](const Json& reason) { return reason.at("text") == doubt.message; }))
+      doubts.add(doubt);
+  return doubts;
 }
 
 Json run_figures(const Session& session, FilterId filter) {
@@ -145,7 +215,7 @@ Json run_figures(const Session& session, FilterId filter) {
   if (counts.input_gaps > 0) figures["input_gaps"] = counts.input_gaps;
   if (counts.longest_lag > 0) figures["longest_lag_s"] = seconds(counts.longest_lag);
   figures["filter_s"] = counts.seconds;
-  figures["verdict"] = verdict(session, filter);
+  figures["verdict"] = sized_verdict(session, filter, nullptr, {});
   if (!session.healthy(filter)) figures["broken"] = session.diagnosis(filter);
   return figures;
 }

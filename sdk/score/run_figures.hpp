@@ -2,11 +2,17 @@
 // The verdict on a run that is over.
 #pragma once
 
+#include "bias_effects.hpp"
 #include "score/run.hpp"
+#include "score/verdict.hpp"
 
 namespace binnacle::score {
 
-/// At the end of a run: a filter that never started is lost.
-Verdict final_verdict(const Session& session, FilterId filter);
+/// "verdict" of run_figures(), with the sizes of reasons and the limits applied. `effects`: null where nothing followed biases.
+nlohmann::ordered_json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects,
+                                     const Limits& limits);
+
+/// Session::doubts() of the filter that are reasons in its sized verdict.
+Diagnostics doubts(const Session& session, FilterId filter, const nlohmann::ordered_json& verdict);
 
 }  // namespace binnacle::score

@@ -246,12 +246,36 @@ void read_smoothers(const CompositionDraft& draft, ScorePlan& plan) {
       read_smoother(draft, at, static_cast<int>(f), plan);
 }
 
+/// By block, in the unit of its error.
+Limits limits_of(const Reader& all, const FilterInfo& filter) {
+  Limits limits;
+  if (!all.is_object("'limits'")) return limits;
+  for (const Reader& at : all.members("'limits'")) {
+    const auto block = std::ranges::find(filter.blocks, at.key(), &BlockInfo::name);
+    if (block == filter.blocks.end()) {
+      at.key_error("B027", "there is no block '" + at.key() + "'" + suggestion(at.key(), names_of(filter.blocks)));
+      continue;
+    }
+    const auto& error = block->declaration->error;
+    const std::string unit = error.empty() ? "1" : error.front().unit;
+    if (const auto limit = at.number(parameter::number(at.key(), unit).above(0))) limits[at.key()] = *limit;
+  }
+  return limits;
+}
+
+void read_limits(const CompositionDraft& draft, ScorePlan& plan) {
+  for (const FilterInfo& filter : draft.filters()) {
+    const Reader limits = draft.at("/filters")[filter.name]["limits"];
+    plan.limits.push_back(limits ? limits_of(limits, filter) : Limits());
+  }
+}
+
 class Sections final : public Section {
  public:
   std::vector<std::string> keys() const override {
     return {"reference", "evaluate", "record", "study", "covariance", "tune", "metrics"};
   }
-  std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother"}; }
+  std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother", "limits"}; }
   std::vector<std::string> filter_channels(const Reader& filter) const override {
     return has_fixed_lag(filter["smoother"]) ? std::vector<std::string>{"smoothed"} : std::vector<std::string>();
   }
@@ -267,6 +291,7 @@ class Sections final : public Section {
     read_implied_states(draft, *plan);
     read_references(draft, *plan);
     read_smoothers(draft, *plan);
+    read_limits(draft, *plan);
     read_evaluate(draft, *plan);
     plan->motion = read_motion_fields(draft);
     if (!draft.has_errors()) read_metrics(draft, *plan);
@@ -292,6 +317,7 @@ std::shared_ptr<const ScorePlan> plan_of(const Composition& composition) {
   auto plan = std::make_shared<ScorePlan>();
   plan->filters = composition.filters();
   plan->implied_states.resize(plan->filters.size());
+  plan->limits.resize(plan->filters.size());
   return plan;
 }
 

@@ -5,9 +5,11 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 ANOTHER_CAR = str(Path(__file__).resolve().parent / "another_car.json")
 
 
@@ -42,6 +44,61 @@ class AnotherCar(unittest.TestCase):
         self.assertEqual(variants["without recovery"]["verdicts"], {"ok": 0, "doubtful": 0, "lost": 2})
         self.assertEqual(binnacle("study", ANOTHER_CAR, "--json", "--quiet", "--strict").returncode, 1)
         self.assertEqual(binnacle("study", ANOTHER_CAR, "--quiet", "--strict", "--set", "/study/variants/without recovery=null").returncode, 0)
+
+
+class WithLimits(unittest.TestCase):
+    """An accelerometer that is scaled by 2 %: its innovations show it, the estimates hardly."""
+    CELL = ["run", str(CONFIGS / "faults/simulated.json"), "--quiet", "--variant", "accelerometer scaled 1.02"]
+    LIMITS = "/filters/ins/limits="
+
+    def recorded(self, scratch, *arguments):
+        folder = str(Path(scratch) / "out")
+        done = binnacle(*self.CELL, "--out", folder, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
+        return folder, done, summary["filters"]["ins"]["verdict"]
+
+    def test_without_limits_three_sigma_count_and_a_recorded_run_is_judged_again(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder, done, verdict = self.recorded(scratch, "--set", self.LIMITS + "null")
+            self.assertEqual((verdict["state"], verdict["limits"]), ("doubtful", {}))
+            self.assertIn("B105", done.stderr)
+            shown = binnacle("verdict", folder)
+            self.assertEqual(shown.returncode, 0, shown.stderr)
+            self.assertIn("ins: doubtful\n  limit of each estimate: 3 sigma\n  reason B105: ", shown.stdout)
+            self.assertRegex(shown.stdout, r"would go unseen: a bias of 'fix' position \d of up to 0\.\d+ m for 30\.00 s; it moves position")
+            self.assertEqual(binnacle("verdict", folder, "--strict").returncode, 1)
+            again = binnacle("verdict", folder, "--limit", "position=2m", "--limit", "velocity=0.5 m/s", "--limit", "attitude=2 deg", "--strict")
+            self.assertEqual(again.returncode, 0, again.stdout)
+            self.assertIn("ins: ok (recorded as doubtful)\n", again.stdout)
+            self.assertIn("  note B105: ", again.stdout)
+
+    def test_limits_of_the_config_make_a_note_of_it_and_may_be_taken_back(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder, done, verdict = self.recorded(scratch)
+            self.assertEqual((verdict["state"], done.stderr), ("ok", ""))
+            self.assertEqual(verdict["limits"]["position"], 2)
+            self.assertEqual([note["significant"] for note in verdict["notes"] if note["code"] == "B105"], ["doubtful"])
+            self.assertIn("ins: doubtful (recorded as ok)", binnacle("verdict", folder, "--limit", "position=1cm").stdout)
+
+    def test_limits_never_hide_what_moves_another_estimate(self):
+        cell = [*self.CELL[:-1], "mount yaw 5 deg"]
+        done = binnacle(*cell, "--json", "--set", self.LIMITS + '{"position": "10 m", "attitude": "10 deg", "velocity": 10}')
+        self.assertEqual(json.loads(done.stdout)["filters"]["ins"]["verdict"]["state"], "doubtful")
+
+    def test_wrong_limits_are_named(self):
+        for text, message in (('{"positon": 2}', "there is no block 'positon'; did you mean 'position'?"),
+                              ('{"position": "2 deg"}', "'2 deg' is an angle; 'position' is a length"), ("3", "'limits'")):
+            done = binnacle(*self.CELL, "--set", self.LIMITS + text)
+            self.assertEqual(done.returncode, 3)
+            self.assertIn(message, done.stderr)
+        with tempfile.TemporaryDirectory() as scratch:
+            folder, _, _ = self.recorded(scratch)
+            for limit, message in (("positon=2m", "no filter of"), ("position", "BLOCK=QUANTITY"), ("position=2deg", "in m; found '2deg'")):
+                done = binnacle("verdict", folder, "--limit", limit)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(message, done.stderr)
+            self.assertEqual(binnacle("verdict", scratch).returncode, 5)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ enum class Severity { error, warning };
 /// One error or warning: its code, its place and a message.
 struct Diagnostic {
   Severity severity = Severity::error;
-  std::string code;  ///< "B012"; every code has its entry in sdk/document/codes.cpp
+  std::string code;  ///< "B012"; every code is explained in sdk/docs/diagnostics.md
   Origin origin;
   std::string pointer;  ///< JSON pointer into the resolved config; empty where there is none
   std::string message;  ///< one line, no full stop

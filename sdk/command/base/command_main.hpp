@@ -51,5 +51,6 @@ Verb new_verb(CLI::App& command);
 /// Verbs of binnacle-report.
 Verb report_verb(CLI::App& command);
 Verb export_verb(CLI::App& command);
+Verb verdict_verb(CLI::App& command);
 
 }  // namespace binnacle::command

@@ -36,6 +36,7 @@ constexpr KnownVerb all_verbs[] = {
     {"graph", "Print the composition as a graph in DOT or SVG, and the sparsity of its matrices", describe},
     {"report", "Write the results of run or study --out as one HTML page, or compare several runs", report},
     {"export", "Convert the results of run --out for maps and other programs", report},
+    {"verdict", "Judge the results of run --out again, with other limits", report},
     {"new", "Create a config (`new filter NAME`), or a plugin that builds and passes its tests (`new plugin NAME`)",
      describe},
     {"conform", "Test a plugin library against the plugin contract (details: conform --help)", conform},

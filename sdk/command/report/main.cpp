@@ -4,6 +4,6 @@
 
 int main(int argc, char** argv) {
   using namespace binnacle::command;
-  constexpr OwnVerb verbs[] = {{"report", report_verb}, {"export", export_verb}};
+  constexpr OwnVerb verbs[] = {{"report", report_verb}, {"export", export_verb}, {"verdict", verdict_verb}};
   return command_main(argc, argv, "binnacle-report", verbs);
 }

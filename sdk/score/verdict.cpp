@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "score/verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace binnacle::score {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// That of an estimate, "position.north"; 0: 3 σ alone.
+double limit_of(const std::string& estimate, const Limits& limits) {
+  const auto found = limits.find(estimate.substr(0, estimate.rfind('.')));
+  return found == limits.end() ? 0.0 : found->second;
+}
+
+/// `effects` of a reason: what its row did to the estimates.
+bool are_small(const Json& effects, const Limits& limits) {
+  return std::ranges::all_of(effects.items(), [&](const auto& item) {
+    return item.value().at("of_3_sigma") <= 0.5 || item.value().at("largest") <= limit_of(item.key(), limits) / 2;
+  });
+}
+
+/// As `ratio` of innovations: the errors of all estimates are taken to be √ratio times as large as σ says.
+bool is_small(double ratio, const Json& estimates, const Limits& limits) {
+  constexpr double one_percent = 2.5758;  // σ
+  return std::ranges::all_of(estimates.items(), [&](const auto& item) {
+    const double errors = one_percent * std::sqrt(ratio);
+    return errors <= 3 ||
+           errors * item.value().at("largest_sigma").template get<double>() <= limit_of(item.key(), limits);
+  });
+}
+
+}  // namespace
+
+void apply_limits(Json& verdict, const Limits& limits) {
+  Json all = verdict.value("notes", Json::array()), reasons = Json::array(), notes = Json::array();
+  for (const auto& reason : verdict.at("reasons")) all.push_back(reason);
+  for (Json& entry : all) {
+    if (entry.contains("significant")) {
+      const bool is_without_size =
+          entry.contains("effects")
+              ? are_small(entry.at("effects"), limits)
+              : entry.contains("ratio") && is_small(entry.at("ratio"), verdict.at("estimates"), limits);
+      entry.erase("verdict");
+      if (!is_without_size) entry["verdict"] = entry.at("significant");
+    }
+    (entry.contains("verdict") ? reasons : notes).push_back(std::move(entry));
+  }
+  Verdict worst = Verdict::ok;
+  for (const auto& reason : reasons) worst = std::max(worst, verdict_of({{"state", reason.at("verdict")}}));
+  verdict["state"] = verdict_name(worst);
+  verdict["reasons"] = std::move(reasons);
+  verdict.erase("notes");
+  if (!notes.empty()) verdict["notes"] = std::move(notes);
+  verdict["limits"] = limits;
+}
+
+Verdict verdict_of(const Json& verdict) {
+  constexpr std::array all{Verdict::ok, Verdict::doubtful, Verdict::lost};
+  const auto found = std::ranges::find(all, verdict.at("state").get<std::string>(), verdict_name);
+  return found == all.end() ? Verdict::lost : *found;
+}
+
+}  // namespace binnacle::score
