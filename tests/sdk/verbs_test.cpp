@@ -94,7 +94,8 @@ TEST_CASE("a module takes its own verbs alone") {
   const auto outcome = binnacle::test::binnacle(bench, {"run", "good.json"}, module);
   CHECK(outcome.status == 2);
   CHECK(outcome.err ==
-        "error: binnacle-report is a part of the binnacle command, for 'binnacle report', 'binnacle export'\n");
+        "error: binnacle-report is a part of the binnacle command, for 'binnacle report', 'binnacle export', 'binnacle "
+        "verdict'\n");
   CHECK(binnacle::test::binnacle(bench, {"export", "--help"}, module).out ==
         binnacle::test::binnacle(bench, {"export", "--help"}).out);
 }
