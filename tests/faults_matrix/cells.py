@@ -67,9 +67,30 @@ class Study:
             variables = netcdf.read(self.library, folder / "run.nc")
         start = figures.get("start_s")
         verdict = figures["verdict"]
-        return judge.Run(by_second(variables, name, "position_horizontal", "position", 1.0),
-                         by_second(variables, name, "attitude", "attitude", 180 / math.pi),
-                         verdict["state"], verdict["reasons"], start, scored_from(config, start)), config
+        return judge.Run(*errors_of(variables, name), verdict["state"], verdict["reasons"], start, scored_from(config, start)), config
+
+
+def drive_config(name):
+    """The matrix's config with the drive of configs/drives/NAME.json and the mounting of its sensor."""
+    config = json.loads((ROOT / f"configs/drives/{name}.json").read_text(encoding="utf-8"))
+    return config | {"extends": str(ROOT / "configs/faults/matrix.json")}
+
+
+def carried_out(binary, config, library, words=()):
+    """(the figures of its only filter, the variables of run.nc) of a config that is written for one run."""
+    with tempfile.TemporaryDirectory(prefix="binnacle-faults-") as scratch:
+        file, out = Path(scratch) / "config.json", Path(scratch) / "out"
+        file.write_text(json.dumps(config), encoding="utf-8")
+        done = subprocess.run([binary, "run", str(file), "--out", str(out), "--quiet", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        if done.returncode not in (0, 1):
+            raise judge.Bad((done.stderr.strip() or "nothing on stderr").split("\n")[0])
+        (figures,) = json.loads((out / "summary.json").read_text(encoding="utf-8"))["filters"].values()
+        return figures, netcdf.read(library, out / "run.nc")
+
+
+def errors_of(variables, name="ins"):
+    """(horizontal error in m, attitude error in deg) by second, of a filter."""
+    return (by_second(variables, name, "position_horizontal", "position", 1.0), by_second(variables, name, "attitude", "attitude", 180 / math.pi))
 
 
 def scored_from(config, start):
