@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "wording/wording.hpp"
@@ -16,13 +17,17 @@ namespace {
 constexpr Time short_window = 30 * nanoseconds_per_second;
 constexpr Time long_window = 600 * nanoseconds_per_second;  // b̂ of a bias since the start is of so long
 constexpr Time long_step = nanoseconds_per_second / 10;
-constexpr double significant = 3;       // σ of b̂: a bias since the start counts from there on
-constexpr double one_sided_95 = 1.645;  // σ
-constexpr double found_by =
-    4.5 + 1.2816;  // σ: about the limit of the verdict's tests, and 90 % of a normal distribution
+constexpr double significant = 3;          // σ of b̂: a bias since the start counts from there on
+constexpr double one_sided_95 = 1.645;     // σ
+constexpr double found_by = 4.5 + 1.2816;  // σ: about the limit of the verdict's tests, and 90 % of N(0, 1)
 
 void add(double factor, const double* from, std::size_t count, double* to) {
   for (std::size_t c = 0; c < count; ++c) to[c] += factor * from[c];
+}
+
+/// The larger one; infinity once it is no number.
+void see(double& largest, double value) {
+  largest = std::isnan(value) ? std::numeric_limits<double>::infinity() : std::max(largest, value);
 }
 
 }  // namespace
@@ -139,8 +144,7 @@ void BiasEffects::whiten(const UpdateRecord& record) {
 }
 
 void BiasEffects::close_window(ConstMatrixView P) {
-  for (int i = 0; i < filter_.dof; ++i)
-    largest_sigma_[as_size(i)] = std::max(largest_sigma_[as_size(i)], std::sqrt(P(i, i)));
+  for (int i = 0; i < filter_.dof; ++i) see(largest_sigma_[as_size(i)], std::sqrt(P(i, i)));
   const bool ends_long = newest_ >= long_begin_ + long_window;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const std::size_t of_start = 2 * row, of_window = 2 * row + 1;
@@ -156,13 +160,13 @@ void BiasEffects::close_window(ConstMatrixView P) {
 }
 
 void BiasEffects::see_effects(std::size_t column, ConstMatrixView P) {
-  if (!(J_[column] > 0)) return;
+  if (J_[column] == 0) return;
   const double bias = std::abs(d_[column]) / J_[column] + one_sided_95 / std::sqrt(J_[column]);
   for (int i = 0; i < filter_.dof; ++i) {
     Effect& worst = effects_[place(static_cast<std::ptrdiff_t>(column / 2), i)];
-    const double effect = std::abs(s(i)[column]) * bias, sigma = std::sqrt(P(i, i));
-    worst.largest = std::max(worst.largest, effect);
-    if (sigma > 0) worst.of_3_sigma = std::max(worst.of_3_sigma, effect / (3 * sigma));
+    const double effect = std::abs(s(i)[column]) * bias;
+    see(worst.largest, effect);
+    if (effect != 0) see(worst.of_3_sigma, effect / (3 * std::sqrt(P(i, i))));
   }
 }
 

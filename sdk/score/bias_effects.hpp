@@ -16,7 +16,7 @@ namespace binnacle::score {
 /// begin of the present window of 30 s. With s = ∂x̂/∂b, and e the unit vector of the row:
 ///     s⁻ = Φ s,  g = e − H s⁻,  s⁺ = s⁻ + K g,  J += gᵀ S⁻¹ g,  d += gᵀ S⁻¹ r;
 ///     b̂ = d / J with the standard deviation 1 / √J, and its effect on the estimates is s b̂.
-/// Where steps are short, Φ − I of one of them stands for all within 0.1 s. Resets are taken for the identity. Allocates
+/// If steps are short, Φ − I of one of them stands for all within 0.1 s. Resets are taken for the identity. Allocates
 /// nothing during a run.
 class BiasEffects {
  public:

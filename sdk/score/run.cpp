@@ -143,8 +143,7 @@ class Scorer final : public binnacle::RunObserver {
     for (std::size_t f = 0; f < scores_.size(); ++f) {
       auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
       const FilterId filter{static_cast<int>(f)};
-      figures.update(run_figures(*session_, filter));
-      figures["verdict"] = verdicts_[f];
+      figures.update(run_figures(*session_, filter, verdicts_[f]));
       add_wait(filter, figures);
       doubts_.merge(score::doubts(*session_, filter, verdicts_[f]));
       scores_[f]->warn_of_spans(doubts_);

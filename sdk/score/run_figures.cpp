@@ -3,6 +3,7 @@
 #include "run_figures.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "conservative.hpp"
 
@@ -201,6 +202,10 @@ Diagnostics doubts(const Session& session, FilterId filter, const Json& verdict)
 }
 
 Json run_figures(const Session& session, FilterId filter) {
+  return run_figures(session, filter, sized_verdict(session, filter, nullptr, {}));
+}
+
+Json run_figures(const Session& session, FilterId filter, Json verdict) {
   const auto& measurements = session.composition().filters()[static_cast<std::size_t>(filter.index)].measurements;
   Json figures{{"measurements", Json::object()}};
   for (std::size_t m = 0; m < measurements.size(); ++m)
@@ -215,7 +220,7 @@ Json run_figures(const Session& session, FilterId filter) {
   if (counts.input_gaps > 0) figures["input_gaps"] = counts.input_gaps;
   if (counts.longest_lag > 0) figures["longest_lag_s"] = seconds(counts.longest_lag);
   figures["filter_s"] = counts.seconds;
-  figures["verdict"] = sized_verdict(session, filter, nullptr, {});
+  figures["verdict"] = std::move(verdict);
   if (!session.healthy(filter)) figures["broken"] = session.diagnosis(filter);
   return figures;
 }

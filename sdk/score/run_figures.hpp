@@ -12,6 +12,9 @@ namespace binnacle::score {
 nlohmann::ordered_json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects,
                                      const Limits& limits);
 
+/// As run_figures() in score/run.hpp, with this verdict.
+nlohmann::ordered_json run_figures(const Session& session, FilterId filter, nlohmann::ordered_json verdict);
+
 /// Session::doubts() of the filter that are reasons in its sized verdict.
 Diagnostics doubts(const Session& session, FilterId filter, const nlohmann::ordered_json& verdict);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -256,9 +257,12 @@ Limits limits_of(const Reader& all, const FilterInfo& filter) {
       at.key_error("B027", "there is no block '" + at.key() + "'" + suggestion(at.key(), names_of(filter.blocks)));
       continue;
     }
-    const auto& error = block->declaration->error;
-    const std::string unit = error.empty() ? "1" : error.front().unit;
-    if (const auto limit = at.number(parameter::number(at.key(), unit).above(0))) limits[at.key()] = *limit;
+    std::set<std::string> units;
+    for (const auto& component : block->declaration->error) units.insert(component.unit);
+    if (units.size() != 1)
+      at.error("B007", "the components of '" + at.key() + "' have no unit in common, so they keep three sigma");
+    else if (const auto limit = at.number(parameter::number(at.key(), *units.begin()).above(0)))
+      limits[at.key()] = *limit;
   }
   return limits;
 }

@@ -11,27 +11,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// That of an estimate, "position.north"; 0: 3 σ alone.
+/// The limit of an estimate, "position.north"; 0: 3 σ alone.
 double limit_of(const std::string& estimate, const Limits& limits) {
   const auto found = limits.find(estimate.substr(0, estimate.rfind('.')));
   return found == limits.end() ? 0.0 : found->second;
 }
 
+/// False for null too, which is how a file has what is not finite.
+bool is_within(const Json& value, double limit) { return value.is_number() && value.get<double>() <= limit; }
+
 /// `effects` of a reason: what its row did to the estimates.
 bool are_small(const Json& effects, const Limits& limits) {
   return std::ranges::all_of(effects.items(), [&](const auto& item) {
-    return item.value().at("of_3_sigma") <= 0.5 || item.value().at("largest") <= limit_of(item.key(), limits) / 2;
+    return is_within(item.value().at("of_3_sigma"), 0.5) ||
+           is_within(item.value().at("largest"), limit_of(item.key(), limits) / 2);
   });
 }
 
 /// As `ratio` of innovations: the errors of all estimates are taken to be √ratio times as large as σ says.
-bool is_small(double ratio, const Json& estimates, const Limits& limits) {
+bool is_small(const Json& ratio, const Json& estimates, const Limits& limits) {
   constexpr double one_percent = 2.5758;  // σ
-  return std::ranges::all_of(estimates.items(), [&](const auto& item) {
-    const double errors = one_percent * std::sqrt(ratio);
-    return errors <= 3 ||
-           errors * item.value().at("largest_sigma").template get<double>() <= limit_of(item.key(), limits);
-  });
+  return ratio.is_number() && std::ranges::all_of(estimates.items(), [&](const auto& item) {
+           const double errors = one_percent * std::sqrt(ratio.get<double>());
+           return errors <= 3 || is_within(item.value().at("largest_sigma"), limit_of(item.key(), limits) / errors);
+         });
 }
 
 }  // namespace
@@ -41,10 +44,9 @@ void apply_limits(Json& verdict, const Limits& limits) {
   for (const auto& reason : verdict.at("reasons")) all.push_back(reason);
   for (Json& entry : all) {
     if (entry.contains("significant")) {
-      const bool is_without_size =
-          entry.contains("effects")
-              ? are_small(entry.at("effects"), limits)
-              : entry.contains("ratio") && is_small(entry.at("ratio"), verdict.at("estimates"), limits);
+      const bool is_without_size = entry.contains("effects")
+                                       ? are_small(entry.at("effects"), limits)
+                                       : is_small(entry.value("ratio", Json()), verdict.at("estimates"), limits);
       entry.erase("verdict");
       if (!is_without_size) entry["verdict"] = entry.at("significant");
     }

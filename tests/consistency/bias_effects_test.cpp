@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bias of a row does to the estimates, against a filter that has this bias and nothing else.
+// The effect of a bias of a row on the estimates, against a filter that has this bias and nothing else.
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -44,15 +44,15 @@ class Follower final : public StepObserver {
   BiasEffects effects;
 };
 
-/// Plots every `dt`; all of them are zero but for a bias of row 1 from `begin` on. Ends with the first window.
+/// Plots every `dt`; all of them are zero but for a bias of row 1. Ends with the first window.
 struct Run {
-  Run(double bias, double dt, double begin = 0) {
+  Run(double bias, double dt) {
     ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
     Session session(Composition::parse(config, "test.json"));
     Follower follower(session.composition().filters().front());
     session.attach({0}, &follower);
     for (double t = 0; t <= 30 + dt / 2; t += dt) {
-      const double plot[] = {0, t < begin ? 0.0 : bias}, current[] = {0};
+      const double plot[] = {0, bias}, current[] = {0};
       session.push(session.channel("plots"), no_time, nanoseconds(t), plot);
       session.push(session.channel("log"), no_time, nanoseconds(t), current);
     }

@@ -81,6 +81,17 @@ class WithLimits(unittest.TestCase):
             self.assertEqual([note["significant"] for note in verdict["notes"] if note["code"] == "B105"], ["doubtful"])
             self.assertIn("ins: doubtful (recorded as ok)", binnacle("verdict", folder, "--limit", "position=1cm").stdout)
 
+    def test_an_effect_that_is_no_number_is_not_small(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder, _, _ = self.recorded(scratch)
+            file = Path(folder) / "summary.json"
+            summary = json.loads(file.read_text(encoding="utf-8"))
+            for note in summary["filters"]["ins"]["verdict"]["notes"]:
+                for effect in note.get("effects", {}).values():
+                    effect.update(largest=None, of_3_sigma=None)
+            file.write_text(json.dumps(summary), encoding="utf-8")
+            self.assertIn("ins: doubtful (recorded as ok)", binnacle("verdict", folder, "--limit", "position=100 m").stdout)
+
     def test_limits_never_hide_what_moves_another_estimate(self):
         cell = [*self.CELL[:-1], "mount yaw 5 deg"]
         done = binnacle(*cell, "--json", "--set", self.LIMITS + '{"position": "10 m", "attitude": "10 deg", "velocity": 10}')
@@ -92,6 +103,8 @@ class WithLimits(unittest.TestCase):
             done = binnacle(*self.CELL, "--set", self.LIMITS + text)
             self.assertEqual(done.returncode, 3)
             self.assertIn(message, done.stderr)
+        done = binnacle("check", str(CONFIGS / "gallery/tight-ins-gnss.json"), "--set", '/filters/ins/limits={"clock": "10 m"}')
+        self.assertIn("the components of 'clock' have no unit in common", done.stderr)
         with tempfile.TemporaryDirectory() as scratch:
             folder, _, _ = self.recorded(scratch)
             for limit, message in (("positon=2m", "no filter of"), ("position", "BLOCK=QUANTITY"), ("position=2deg", "in m; found '2deg'")):

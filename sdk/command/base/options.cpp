@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "binnacle/unit.hpp"
 #include "output.hpp"
 #include "study/variants.hpp"
 #include "verbs.hpp"
@@ -69,6 +70,14 @@ Catalog load_catalog(int& status) {
   print_diagnostics(diagnostics);
   status = diagnostics.has_errors() ? load : ok;
   return catalog;
+}
+
+double quantity(const std::string& option, const std::string& text, const std::string& unit) {
+  const auto parsed = parse_quantity(text);
+  const bool is_plain = parsed && parsed->dimension.is_dimensionless();
+  if (!parsed || (!is_plain && !(parsed->dimension == parse_unit(unit)->dimension)))
+    throw UsageError(fmt::format("{} takes a quantity in {}; found '{}'", option, unit, text));
+  return parsed->value;
 }
 
 }  // namespace binnacle::command

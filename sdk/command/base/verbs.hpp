@@ -42,6 +42,9 @@ class ConfigOptions {
 /// True if a file is taken for a config, by its name.
 bool is_config(const std::string& file);
 
+/// "47.5 m", or a number of SI; UsageError where it is neither.
+double quantity(const std::string& option, const std::string& text, const std::string& unit);
+
 /// A word of a command line, quoted where a shell wants it.
 std::string shell_quoted(const std::string& text);
 

@@ -29,15 +29,6 @@ struct ExportVerbOptions {
   bool json = false;
 };
 
-/// "47.5 m", or a number of SI.
-double quantity(const char* option, const std::string& text, const char* unit) {
-  const auto parsed = parse_quantity(text);
-  const bool is_plain = parsed && parsed->dimension.is_dimensionless();
-  if (!parsed || (!is_plain && !(parsed->dimension == parse_unit(unit)->dimension)))
-    throw UsageError(fmt::format("{} takes a quantity in {}; found '{}'", option, unit, text));
-  return parsed->value;
-}
-
 /// "49.01,8.43,115": degrees, and metres above the ellipsoid.
 convert::Place place_of(const std::string& text) {
   std::vector<std::string> words{""};

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "binnacle/unit.hpp"
 #include "output.hpp"
 #include "results_folder.hpp"
 #include "score/verdict.hpp"
@@ -39,12 +38,12 @@ bool add_limit(const std::string& text, const Json& verdict, score::Limits& limi
   const auto estimates = estimates_of(verdict, block);
   if (estimates.empty()) return false;
   const std::string unit = verdict.at("estimates").at(estimates.front()).at("unit");
-  const auto quantity = parse_quantity(text.substr(at + 1));
-  const bool is_plain = quantity && quantity->dimension.is_dimensionless();
-  if (!quantity || !(quantity->value > 0) || (!is_plain && !(quantity->dimension == parse_unit(unit)->dimension)))
-    throw UsageError(
-        fmt::format("--limit {} takes a quantity above 0 in {}; found '{}'", block, unit, text.substr(at + 1)));
-  limits[block] = quantity->value;
+  for (const auto& estimate : estimates)
+    if (verdict.at("estimates").at(estimate).at("unit") != unit)
+      throw UsageError(
+          fmt::format("--limit {}: its components have no unit in common, so they keep three sigma", block));
+  const double limit = limits[block] = quantity("--limit " + block, text.substr(at + 1), unit);
+  if (!(limit > 0)) throw UsageError(fmt::format("--limit {} takes a quantity above 0; found '{}'", block, text));
   return true;
 }
 
