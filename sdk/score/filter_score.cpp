@@ -50,7 +50,12 @@ std::pair<int, int> rows_of(const UpdateRecord& record, int group) {
 // ---- before the run
 
 FilterScore::FilterScore(const ScorePlan& plan, int filter)
-    : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]), gates_(info_), first_samples_(info_) {
+    : plan_(plan),
+      filter_(filter),
+      info_(plan.filters[as_size(filter)]),
+      jumps_(info_),
+      gates_(info_),
+      first_samples_(info_) {
   size_scratch();
   if (std::ranges::any_of(info_.measurements, &MeasurementInfo::is_watched))
     effects_ = std::make_unique<BiasEffects>(info_);
@@ -69,6 +74,7 @@ FilterScore::FilterScore(const ScorePlan& plan, const SmoothingPlan& smoothing)
     : plan_(plan),
       filter_(smoothing.as),
       info_(plan.filters[as_size(smoothing.as)]),
+      jumps_(info_),
       gates_(info_),
       first_samples_(info_) {
   size_scratch();
@@ -307,6 +313,7 @@ void FilterScore::offered(const UpdateRecord& record) {
   if (next_) next_->offered(record);
   if (effects_) effects_->offered(record);
   if (is_again(record.t)) return;
+  jumps_.offered(record);
   gates_.offered(record);
   first_samples_.offered(record);
   for (std::size_t r = 0; r < implied_states_.size(); ++r)
@@ -332,6 +339,7 @@ void FilterScore::exchange(StateBytes& bytes) {
   bytes.value(changes_);
   bytes.value(newest_);
   bytes.value(seen_until_);
+  jumps_.exchange(bytes);
   gates_.exchange(bytes);
   first_samples_.exchange(bytes);
   if (effects_) effects_->exchange(bytes);

@@ -15,6 +15,7 @@
 #include "binnacle/step_log.hpp"
 #include "gate_watch.hpp"
 #include "implied_state.hpp"
+#include "jump_watch.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
 #include "segments.hpp"
@@ -60,7 +61,7 @@ class FilterScore : public StepObserver {
   void reference(int channel, const SampleView& sample);
   Wants wants() const override {
     Wants all = next_ ? next_->wants() : Wants::nothing;
-    if (effects_) all = all | effects_->wants();
+    if (effects_) all = all | effects_->wants() | jumps_.wants();
     if (!pending_.empty()) all = all | Wants::step_covariance;
     if (!implied_states_.empty()) all = all | Wants::jacobian | Wants::update_covariance;
     return all;
@@ -77,6 +78,7 @@ class FilterScore : public StepObserver {
   void inflated(const InflationRecord& record) override {
     ++changes_;
     if (next_) next_->inflated(record);
+    jumps_.inflated(record);
   }
   void stepped(const StepRecord& record) override;
   void offered(const UpdateRecord& record) override;
@@ -99,6 +101,7 @@ class FilterScore : public StepObserver {
 
   /// Null where nothing is watched.
   const BiasEffects* effects() const { return effects_.get(); }
+  const JumpWatch& jumps() const { return jumps_; }
 
   // ---- figures (filter_figures.cpp)
   std::vector<Scored> scored() const;
@@ -218,6 +221,7 @@ class FilterScore : public StepObserver {
   Time start_ = no_time;  // of a filter that is smoothed
   StepObserver* next_ = nullptr;
   std::unique_ptr<BiasEffects> effects_;
+  JumpWatch jumps_;
   GateWatch gates_;
   StartWatch first_samples_;
   std::vector<Reference> references_;

@@ -115,7 +115,8 @@ class Scorer final : public binnacle::RunObserver {
     std::vector<std::vector<Time>> none(scores_.size());
     if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
     for (int f = 0; f < static_cast<int>(scores_.size()); ++f) {
-      verdicts_.push_back(sized_verdict(*session_, {f}, scores_[as_size(f)]->effects(), plan_->limits[as_size(f)]));
+      verdicts_.push_back(sized_verdict(*session_, {f}, scores_[as_size(f)]->effects(), &scores_[as_size(f)]->jumps(),
+                                        plan_->limits[as_size(f)]));
       verdict_ = std::max(verdict_, verdict_of(verdicts_.back()));
     }
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));

@@ -106,7 +106,7 @@ Json unseen(const FilterInfo& info, const BiasEffects& effects) {
 }
 
 /// A reason or note, but for its text; with what its size is known by.
-Json entry_of(const TrustReason& reason, const FilterInfo& info, const BiasEffects* effects) {
+Json entry_of(const TrustReason& reason, const FilterInfo& info, const BiasEffects* effects, const JumpWatch* jumps) {
   Json entry;
   if (reason.verdict != Verdict::ok) entry["verdict"] = verdict_name(reason.verdict);
   if (reason.measurement >= 0) {
@@ -118,6 +118,13 @@ Json entry_of(const TrustReason& reason, const FilterInfo& info, const BiasEffec
     }
   }
   if (reason.since != no_time) entry["since_s"] = seconds(reason.since);
+  if (jumps && reason.doubt == Doubt::recovered)
+    for (std::size_t b = 0; b < info.blocks.size(); ++b)
+      if (const double jump = jumps->largest(reason.measurement, static_cast<int>(b)); jump > 0) {
+        entry["significant"] = verdict_name(reason.verdict);
+        entry["jumps"][info.blocks[b].name] = {{"largest", jump},
+                                               {"unit", info.blocks[b].declaration->error.front().unit}};
+      }
   const bool is_of_row = reason.doubt == Doubt::bias || reason.doubt == Doubt::correlation;
   if (!effects || (!is_of_row && reason.doubt != Doubt::nis)) return entry;
   entry["significant"] = verdict_name(reason.verdict);
@@ -161,7 +168,8 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
 
 }  // namespace
 
-Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects, const Limits& limits) {
+Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects, const JumpWatch* jumps,
+                   const Limits& limits) {
   const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
   const Diagnostics doubts = session.doubts(filter, Verdict::ok);
   std::vector<TrustReason> reasons(doubts.items().size());
@@ -169,8 +177,13 @@ Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* e
   Json verdict{{"state", "ok"}, {"reasons", Json::array()}};
   for (std::size_t i = 0; i < reasons.size(); ++i) {
     Json entry{{"code", doubts.items()[i].code}};
-    entry.update(entry_of(reasons[i], info, effects));
-    entry["text"] = doubts.items()[i].message;
+    entry.update(entry_of(reasons[i], info, effects, jumps));
+    std::string text = doubts.items()[i].message;
+    const Json jumps_of_it = entry.value("jumps", Json::object());
+    for (const auto& [block, jump] : jumps_of_it.items())
+      text += "; it moved " + in_quotes(block) + " by " + short_number(jump.at("largest")) + " " +
+              jump.at("unit").get<std::string>();
+    entry["text"] = text;
     verdict["reasons"].push_back(std::move(entry));
   }
   if (!session.healthy(filter))
@@ -194,15 +207,18 @@ Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* e
 Diagnostics doubts(const Session& session, FilterId filter, const Json& verdict) {
   const Diagnostics all = session.doubts(filter, Verdict::ok);
   Diagnostics doubts;
-  for (const auto& doubt : all.items())
-    if (std::ranges::any_of(verdict.at("reasons"),
-                            [&](const Json& reason) { return reason.at("text") == doubt.message; }))
-      doubts.add(doubt);
+  for (Diagnostic doubt : all.items())
+    for (const Json& reason : verdict.at("reasons"))
+      if (const std::string text = reason.at("text"); text.starts_with(doubt.message)) {
+        doubt.message = text;
+        doubts.add(doubt);
+        break;
+      }
   return doubts;
 }
 
 Json run_figures(const Session& session, FilterId filter) {
-  return run_figures(session, filter, sized_verdict(session, filter, nullptr, {}));
+  return run_figures(session, filter, sized_verdict(session, filter, nullptr, nullptr, {}));
 }
 
 Json run_figures(const Session& session, FilterId filter, Json verdict) {

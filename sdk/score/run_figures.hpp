@@ -3,14 +3,15 @@
 #pragma once
 
 #include "bias_effects.hpp"
+#include "jump_watch.hpp"
 #include "score/run.hpp"
 #include "score/verdict.hpp"
 
 namespace binnacle::score {
 
-/// "verdict" of run_figures(), with the sizes of reasons and the limits applied. `effects`: null where nothing followed biases.
+/// "verdict" of run_figures(), with the sizes of reasons and the limits applied. Null: what was not followed.
 nlohmann::ordered_json sized_verdict(const Session& session, FilterId filter, const BiasEffects* effects,
-                                     const Limits& limits);
+                                     const JumpWatch* jumps, const Limits& limits);
 
 /// As run_figures() in score/run.hpp, with this verdict.
 nlohmann::ordered_json run_figures(const Session& session, FilterId filter, nlohmann::ordered_json verdict);

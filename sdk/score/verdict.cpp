@@ -37,13 +37,24 @@ bool is_small(const Json& ratio, const Json& estimates, const Limits& limits) {
          });
 }
 
+/// `jumps` of a recovery: it moved a position by more than ten times its limit.
+bool is_far(const Json& jumps, const Limits& limits) {
+  return std::ranges::any_of(jumps.items(), [&](const auto& item) {
+    const auto limit = limits.find(item.key());
+    return item.value().at("unit") == "m" && limit != limits.end() &&
+           !is_within(item.value().at("largest"), 10 * limit->second);
+  });
+}
+
 }  // namespace
 
 void apply_limits(Json& verdict, const Limits& limits) {
   Json all = verdict.value("notes", Json::array()), reasons = Json::array(), notes = Json::array();
   for (const auto& reason : verdict.at("reasons")) all.push_back(reason);
   for (Json& entry : all) {
-    if (entry.contains("significant")) {
+    if (entry.contains("jumps")) {
+      entry["verdict"] = is_far(entry.at("jumps"), limits) ? Json("lost") : entry.at("significant");
+    } else if (entry.contains("significant")) {
       const bool is_without_size = entry.contains("effects")
                                        ? are_small(entry.at("effects"), limits)
                                        : is_small(entry.value("ratio", Json()), verdict.at("estimates"), limits);

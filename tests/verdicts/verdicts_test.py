@@ -97,6 +97,19 @@ class WithLimits(unittest.TestCase):
         done = binnacle(*cell, "--json", "--set", self.LIMITS + '{"position": "10 m", "attitude": "10 deg", "velocity": 10}')
         self.assertEqual(json.loads(done.stdout)["filters"]["ins"]["verdict"]["state"], "doubtful")
 
+    def test_a_recovery_that_moves_the_position_by_more_than_ten_limits_is_lost(self):
+        late = '/transforms/bad_gnss/faults=[{"kind": "delay", "time": "3 s", "from": "160 s", "until": "200 s"}]'
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = str(Path(scratch) / "out")
+            done = binnacle("run", self.CELL[1], "--quiet", "--out", folder, "--set", late)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, r"B106.* times, first at 1[67]\d\.\d s: .*; it moved 'position' by [2-9]\d\.?\d* m")
+            for limit, said in (("position=10 m", "ins: doubtful (recorded as lost)"), ("velocity=0.1 m/s", "ins: doubtful (recorded as lost)"),
+                                ("position=2 m", "ins: lost")):
+                shown = binnacle("verdict", folder, "--limit", limit)
+                self.assertEqual(shown.stdout.splitlines()[0], said, limit)
+                self.assertEqual(shown.returncode, int(said == "ins: lost"))
+
     def test_wrong_limits_are_named(self):
         for text, message in (('{"positon": 2}', "there is no block 'positon'; did you mean 'position'?"),
                               ('{"position": "2 deg"}', "'2 deg' is an angle; 'position' is a length"), ("3", "'limits'")):

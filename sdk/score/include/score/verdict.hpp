@@ -19,7 +19,7 @@ using Limits = std::map<std::string, double>;
 /// if the errors that it shows are small, else among its "reasons". Renews "state" and "limits".
 ///
 /// A bias or correlation is small if the upper bound of what it did to each estimate stays below half of the limit, NIS if
-/// not more than 1 % of errors are beyond it.
+/// not more than 1 % of errors are beyond it. A recovery (B106) that moved a position by more than ten limits is "lost".
 void apply_limits(nlohmann::ordered_json& verdict, const Limits& limits);
 
 /// "ok", "doubtful" or "lost", as "state" of a verdict has it.
