@@ -8,16 +8,11 @@
 
 #include "constellation.hpp"
 #include "text/text_file.hpp"
+#include "text/trimmed.hpp"
 
 namespace binnacle::constellation_simulator {
 
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 std::optional<double> read_number(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);

@@ -13,12 +13,6 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t w
   return first < line.size() ? line.substr(first, width) : std::string_view();
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(' ');
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
 std::optional<double> number(std::string_view text) {
   text = trimmed(text);
   constexpr std::size_t longest = 32;

@@ -6,12 +6,12 @@
 #include <string_view>
 
 #include "binnacle/time.hpp"
+#include "text/trimmed.hpp"
 
 namespace binnacle::rinex {
 
 /// `width` characters from column `first` (from 0), as many as the line has.
 std::string_view columns(std::string_view line, std::size_t first, std::size_t width);
-std::string_view trimmed(std::string_view text);
 
 /// Fw.d and Dw.d: "-.5570D-11", " 1.0E+03". Nothing if it is blank or no number.
 std::optional<double> number(std::string_view text);

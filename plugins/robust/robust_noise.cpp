@@ -48,9 +48,13 @@ Unit unit_of(const std::string& by) {
   return by == "sample" ? Unit::sample : by == "part" ? Unit::part : by == "key" ? Unit::key : Unit::row;
 }
 
+/// In place of the efficiency; by Loss.
+constexpr const char* own_constants[] = {"threshold", "scale", "dof", "phi"};
+
 }  // namespace
 
-RobustNoise::RobustNoise(Loss loss, const char* constant, const Binding& binding, const NoiseBinding& noise) {
+RobustNoise::RobustNoise(Loss loss, const Binding& binding, const NoiseBinding& noise) {
+  const char* const constant = own_constants[static_cast<std::size_t>(loss)];
   const Parameters& parameters = binding.parameters();
   method_.loss = loss;
   method_.unit = unit_of(parameters.text("by"));
@@ -81,39 +85,35 @@ void RobustNoise::estimate(const Innovation& in, MatrixView R) const {
   if (findings.is_held) in.notes.leave("R of rows that share a weight is singular: they keep the weight 1");
 }
 
+template <>
 ComponentSpec Huber::spec() {
   return spec_of("huber", "R/w, where a residual of d > k sigma has the weight w = k/d (Huber's loss)",
                  "P. J. Huber, Robust estimation of a location parameter, Annals of Mathematical Statistics 35, 1964",
                  constant("threshold", "norm k of a whitened residual beyond which its weight decreases"));
 }
-Huber::Huber(const Binding& binding, const NoiseBinding& noise)
-    : RobustNoise(Loss::huber, "threshold", binding, noise) {}
 
+template <>
 ComponentSpec Cauchy::spec() {
   return spec_of("cauchy", "R/w with the weight w = 1/(1 + d^2/c^2) (Cauchy's loss)",
                  "P. W. Holland and R. E. Welsch, Robust regression using iteratively reweighted least-squares, "
                  "Communications in Statistics A6, 1977",
                  constant("scale", "norm c of a whitened residual at which its weight is 1/2"));
 }
-Cauchy::Cauchy(const Binding& binding, const NoiseBinding& noise)
-    : RobustNoise(Loss::cauchy, "scale", binding, noise) {}
 
+template <>
 ComponentSpec StudentT::spec() {
   return spec_of("student_t", "R/w with the weight w = (nu + m)/(nu + d^2) (likelihood of Student's t)",
                  "K. L. Lange, R. J. A. Little and J. M. G. Taylor, Robust statistical modeling using the t "
                  "distribution, Journal of the American Statistical Association 84, 1989",
                  constant("dof", "degrees of freedom nu"));
 }
-StudentT::StudentT(const Binding& binding, const NoiseBinding& noise)
-    : RobustNoise(Loss::student_t, "dof", binding, noise) {}
 
+template <>
 ComponentSpec DynamicCovarianceScaling::spec() {
   return spec_of("dcs", "R/w with the weight w = min(1, 2 Phi/(Phi + d^2))^2 (dynamic covariance scaling)",
                  "P. Agarwal, G. D. Tipaldi, L. Spinello, C. Stachniss and W. Burgard, Robust map optimization using "
                  "dynamic covariance scaling, ICRA 2013",
                  constant("phi", "squared norm Phi of a whitened residual beyond which its weight decreases"));
 }
-DynamicCovarianceScaling::DynamicCovarianceScaling(const Binding& binding, const NoiseBinding& noise)
-    : RobustNoise(Loss::dcs, "phi", binding, noise) {}
 
 }  // namespace binnacle::robust

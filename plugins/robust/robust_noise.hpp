@@ -14,29 +14,21 @@ class RobustNoise : public NoiseEstimator {
   void estimate(const Innovation& in, MatrixView R) const override;
 
  protected:
-  /// constant: the parameter with the loss's own constant, in place of the efficiency.
-  RobustNoise(Loss loss, const char* constant, const Binding& binding, const NoiseBinding& noise);
+  RobustNoise(Loss loss, const Binding& binding, const NoiseBinding& noise);
 
  private:
   Method method_;
   MemoryArray<Row> rows_;  // scratch
 };
 
-struct Huber final : RobustNoise {
+template <Loss loss>
+struct NoiseOf final : RobustNoise {
   static ComponentSpec spec();
-  Huber(const Binding& binding, const NoiseBinding& noise);
+  NoiseOf(const Binding& binding, const NoiseBinding& noise) : RobustNoise(loss, binding, noise) {}
 };
-struct Cauchy final : RobustNoise {
-  static ComponentSpec spec();
-  Cauchy(const Binding& binding, const NoiseBinding& noise);
-};
-struct StudentT final : RobustNoise {
-  static ComponentSpec spec();
-  StudentT(const Binding& binding, const NoiseBinding& noise);
-};
-struct DynamicCovarianceScaling final : RobustNoise {
-  static ComponentSpec spec();
-  DynamicCovarianceScaling(const Binding& binding, const NoiseBinding& noise);
-};
+using Huber = NoiseOf<Loss::huber>;
+using Cauchy = NoiseOf<Loss::cauchy>;
+using StudentT = NoiseOf<Loss::student_t>;
+using DynamicCovarianceScaling = NoiseOf<Loss::dcs>;
 
 }  // namespace binnacle::robust

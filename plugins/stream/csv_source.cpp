@@ -5,6 +5,8 @@
 #include <charconv>
 #include <limits>
 
+#include "text/trimmed.hpp"
+
 namespace binnacle::stream {
 
 namespace {
@@ -13,12 +15,6 @@ std::size_t number_of(const std::string& text) {
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() && end == text.data() + text.size() ? number : 0;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\"");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\"") - first + 1);
 }
 
 }  // namespace
@@ -75,7 +71,7 @@ void CsvSource::split(std::string_view line) const {
   for (std::size_t begin = 0; begin <= line.size(); ++count) {
     const auto end = std::min(line.find(delimiter_, begin), line.size());
     if (cells.size() <= count) cells.emplace_back();
-    cells[count] = trimmed(line.substr(begin, end - begin));
+    cells[count] = trimmed(line.substr(begin, end - begin), " \t\"");
     begin = end + 1;
   }
   cells.resize(count);

@@ -34,6 +34,11 @@ void LineSource::add_parameters(ComponentSpec& spec) {
           .about("fixed length of the interval of a rate or increment; default: the time between labels"));
   spec.parameters.push_back(parameter::time("max_gap").above(0).defaults("\"1 s\"").about(
       "longest step between labels; after a longer step a rate or increment has no interval"));
+  spec.parameters.push_back(parameter::time("max_ahead")
+                                .above(0)
+                                .defaults("\"10 s\"")
+                                .about("longest step between labels without a pause as long; what is farther ahead is "
+                                       "left out until labels go on from it"));
 }
 
 ParameterSpec LineSource::field_spec(const char* key, const char* about) {
@@ -51,6 +56,7 @@ LineSource::LineSource(const Binding& binding) {
   declaration_.live = true;
   if (parameters.has("interval")) interval_ = parameters.time("interval");
   max_gap_ = parameters.time("max_gap");
+  newest_->guard = line_input::LabelGuard(parameters.time("max_ahead"));
   if (!parameters.has("time")) return;
   for (const auto& [key, value] : parameters.members("time")) {
     if (value.type == ParameterValue::Type::absent) continue;
@@ -125,11 +131,14 @@ bool LineSource::take(std::string_view line, SourceOutput& out) const {
   sample.t = sample.t0 = no_time;
   try {
     if (!parse(line, sample)) return false;
+    const Time arrival = line_input::monotonic_now();
     if (lines_->stamps_arrival()) {
-      sample.t = line_input::monotonic_now();
+      sample.t = arrival;
       sample.t0 = no_time;
     }
     if (sample.t == no_time) throw BadLine{"it has no time '" + time_key_ + "'"};
+    if (!newest_->guard.accepts(sample.t, arrival)) throw BadLine{"its time is far ahead of those before"};
+    if (newest_->guard.is_anew()) newest_->times.assign(channels_.size(), no_time);
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (std::ranges::none_of(sample.values, is_finite)) throw BadLine{"it has none of its channel's fields"};
     write(sample, out);

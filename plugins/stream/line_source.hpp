@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
+#include "line_input/label_guard.hpp"
 #include "line_input/lines.hpp"
 
 namespace binnacle::stream {
@@ -47,7 +48,7 @@ class LineSource : public Source {
   SourceFigures figures() const override { return lines_->figures(); }
 
  protected:
-  /// `from`, `stamp`, `silence`, `time`, `interval`, `max_gap`, `on_error`.
+  /// `from`, `stamp`, `silence`, `time`, `interval`, `max_gap`, `max_ahead`, `on_error`.
   static void add_parameters(ComponentSpec& spec);
   explicit LineSource(const Binding& binding);
   static ParameterSpec field_spec(const char* key, const char* about);
@@ -78,6 +79,7 @@ class LineSource : public Source {
   struct Newest {
     std::vector<Time> times;  // by channel
     LineSample sample;
+    line_input::LabelGuard guard{0};
   };
   std::unique_ptr<Newest> newest_ = std::make_unique<Newest>();
 };

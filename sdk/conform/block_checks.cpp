@@ -78,20 +78,13 @@ void outputs(Trial& trial) {
 std::vector<Check> block_checks() {
   const std::vector<Role> roles = {Role::state_block};
   return {
-      {"numbers.block.laws",
-       2,
-       roles,
-       {"life.repeatable"},
-       "[+] and [-] are each other's inverse at the identity, for small and large errors, near half a turn",
-       laws},
-      {"numbers.block.readable", 2, roles, {"numbers.block.laws"}, "write(read(x)) = x", readable},
-      {"numbers.block.reset", 3, roles, {"numbers.block.laws"}, "the reset Jacobian is that of [+] and [-]", reset},
-      {"numbers.block.outputs",
-       3,
-       roles,
-       {"numbers.block.laws"},
-       "the Jacobian of the outputs is that of read() and [+]",
-       outputs},
+      check("numbers.block.laws", 2, roles, {"life.repeatable"},
+            "[+] and [-] are each other's inverse at the identity, for small and large errors, near half a turn", laws),
+      check("numbers.block.readable", 2, roles, {"numbers.block.laws"}, "write(read(x)) = x", readable),
+      check("numbers.block.reset", 3, roles, {"numbers.block.laws"}, "the reset Jacobian is that of [+] and [-]",
+            reset),
+      check("numbers.block.outputs", 3, roles, {"numbers.block.laws"},
+            "the Jacobian of the outputs is that of read() and [+]", outputs),
   };
 }
 

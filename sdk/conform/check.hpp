@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/catalog.hpp"
@@ -117,6 +118,11 @@ struct Check {
   std::string text;                // what holds when it passes, one line
   void (*run)(Trial&) = nullptr;
 };
+
+inline Check check(std::string id, int level, std::vector<Role> roles, std::vector<std::string> needs, std::string text,
+                   void (*run)(Trial&)) {
+  return {std::move(id), level, std::move(roles), std::move(needs), std::move(text), run};
+}
 
 /// All checks, prerequisites before what needs them.
 const std::vector<Check>& all_checks();

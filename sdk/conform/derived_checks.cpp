@@ -38,18 +38,10 @@ void derived_value(Trial& trial) {
 std::vector<Check> derived_checks() {
   const std::vector<Role> roles = {Role::derived_block};
   return {
-      {"numbers.derived.value",
-       2,
-       roles,
-       {"life.repeatable"},
-       "the value is the same to the bit with and without Jacobians",
-       derived_value},
-      {"numbers.derived.jacobian",
-       2,
-       roles,
-       {"numbers.derived.value"},
-       "J is the derivative of the value on the manifolds, and what is not read has none",
-       derived_jacobian},
+      check("numbers.derived.value", 2, roles, {"life.repeatable"},
+            "the value is the same to the bit with and without Jacobians", derived_value),
+      check("numbers.derived.jacobian", 2, roles, {"numbers.derived.value"},
+            "J is the derivative of the value on the manifolds, and what is not read has none", derived_jacobian),
   };
 }
 

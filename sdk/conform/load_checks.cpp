@@ -77,22 +77,14 @@ void unknown(Trial& trial) {
 
 std::vector<Check> load_checks() {
   return {
-      {"load.file", 1, {}, {}, "the file is there, a file, and not writable by everybody", file},
-      {"load.guard", 1, {}, {"load.file"}, "its guard is present and equal to this program's", guard},
-      {"load.symbols", 1, {}, {"load.guard"}, "it exports the entry symbols and nothing else", symbols},
-      {"load.register",
-       1,
-       {},
-       {"load.guard"},
-       "it loads with all symbols bound, and what it registers is well declared",
-       registration},
-      {"load.cycle",
-       2,
-       {},
-       {"load.register"},
-       "it can be loaded and unloaded a hundred times, and is gone after each",
-       cycle},
-      {"load.unknown", 1, {}, {"load.register"}, "a type that it does not have is not found", unknown},
+      check("load.file", 1, {}, {}, "the file is there, a file, and not writable by everybody", file),
+      check("load.guard", 1, {}, {"load.file"}, "its guard is present and equal to this program's", guard),
+      check("load.symbols", 1, {}, {"load.guard"}, "it exports the entry symbols and nothing else", symbols),
+      check("load.register", 1, {}, {"load.guard"},
+            "it loads with all symbols bound, and what it registers is well declared", registration),
+      check("load.cycle", 2, {}, {"load.register"},
+            "it can be loaded and unloaded a hundred times, and is gone after each", cycle),
+      check("load.unknown", 1, {}, {"load.register"}, "a type that it does not have is not found", unknown),
   };
 }
 

@@ -62,30 +62,14 @@ void measurement_noise(Trial& trial) {
 std::vector<Check> measurement_checks() {
   const std::vector<Role> roles = {Role::measurement_model};
   return {
-      {"numbers.measurement.value",
-       2,
-       roles,
-       {"life.repeatable"},
-       "residual and R are the same to the bit with and without H",
-       measured_value},
-      {"numbers.measurement.jacobian",
-       2,
-       roles,
-       {"life.repeatable"},
-       "H is the derivative of h(x) on the manifold, and what is not read has none",
-       measurement_jacobian},
-      {"numbers.measurement.noise",
-       2,
-       roles,
-       {"life.repeatable"},
-       "R is symmetric and positive semidefinite",
-       measurement_noise},
-      {"numbers.measurement.consistency",
-       5,
-       roles,
-       {"numbers.measurement.jacobian", "numbers.measurement.noise"},
-       "NIS of a filter on a world that is the model stays in its band",
-       measurement_consistency},
+      check("numbers.measurement.value", 2, roles, {"life.repeatable"},
+            "residual and R are the same to the bit with and without H", measured_value),
+      check("numbers.measurement.jacobian", 2, roles, {"life.repeatable"},
+            "H is the derivative of h(x) on the manifold, and what is not read has none", measurement_jacobian),
+      check("numbers.measurement.noise", 2, roles, {"life.repeatable"}, "R is symmetric and positive semidefinite",
+            measurement_noise),
+      check("numbers.measurement.consistency", 5, roles, {"numbers.measurement.jacobian", "numbers.measurement.noise"},
+            "NIS of a filter on a world that is the model stays in its band", measurement_consistency),
   };
 }
 

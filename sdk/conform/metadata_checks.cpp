@@ -216,21 +216,14 @@ void declared(Trial& trial) {
 
 std::vector<Check> metadata_checks() {
   return {
-      {"metadata.text",
-       1,
-       every_role,
-       {"load.register"},
-       "component, parameters, ports and fields have a line of text",
-       text},
-      {"metadata.units", 1, every_role, {"load.register"}, "every number has a unit: parameters and fields", units},
-      {"metadata.version", 1, every_role, {"load.register"}, "the plugin's version is MAJOR.MINOR.PATCH", version},
-      {"metadata.example", 1, every_role, {"load.register"}, "its example composes without an error", example},
-      {"metadata.declared",
-       2,
-       every_role,
-       {"metadata.example", "metadata.units"},
-       "what it declares once bound agrees with its spec and with itself",
-       declared},
+      check("metadata.text", 1, every_role, {"load.register"},
+            "component, parameters, ports and fields have a line of text", text),
+      check("metadata.units", 1, every_role, {"load.register"}, "every number has a unit: parameters and fields",
+            units),
+      check("metadata.version", 1, every_role, {"load.register"}, "the plugin's version is MAJOR.MINOR.PATCH", version),
+      check("metadata.example", 1, every_role, {"load.register"}, "its example composes without an error", example),
+      check("metadata.declared", 2, every_role, {"metadata.example", "metadata.units"},
+            "what it declares once bound agrees with its spec and with itself", declared),
   };
 }
 

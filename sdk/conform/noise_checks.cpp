@@ -142,30 +142,14 @@ void bounds(Trial& trial) {
 std::vector<Check> noise_checks() {
   const std::vector<Role> roles = {Role::noise_estimator};
   return {
-      {"numbers.noise.covariance",
-       2,
-       roles,
-       {"life.repeatable"},
-       "R is symmetric, positive semidefinite and finite through quiet and loud stretches",
-       estimated_covariance},
-      {"numbers.noise.bounds",
-       3,
-       roles,
-       {"numbers.noise.covariance"},
-       "R keeps between floor and ceiling, which are factors on the nominal standard deviation",
-       bounds},
-      {"numbers.noise.recovery",
-       3,
-       roles,
-       {"numbers.noise.covariance"},
-       "it recovers a known R from innovations that have it",
-       recovery},
-      {"numbers.noise.outlier",
-       3,
-       roles,
-       {"numbers.noise.covariance"},
-       "where it is judged by the nominal R, an innovation that is farther off is trusted no more",
-       outlier},
+      check("numbers.noise.covariance", 2, roles, {"life.repeatable"},
+            "R is symmetric, positive semidefinite and finite through quiet and loud stretches", estimated_covariance),
+      check("numbers.noise.bounds", 3, roles, {"numbers.noise.covariance"},
+            "R keeps between floor and ceiling, which are factors on the nominal standard deviation", bounds),
+      check("numbers.noise.recovery", 3, roles, {"numbers.noise.covariance"},
+            "it recovers a known R from innovations that have it", recovery),
+      check("numbers.noise.outlier", 3, roles, {"numbers.noise.covariance"},
+            "where it is judged by the nominal R, an innovation that is farther off is trusted no more", outlier),
   };
 }
 

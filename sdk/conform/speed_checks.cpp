@@ -51,9 +51,10 @@ void construction(Trial& trial) {
 
 std::vector<Check> speed_checks() {
   return {
-      {"speed.allocations", 4, called_roles, {"life.repeatable"}, "hot calls allocate nothing", allocation},
-      {"speed.call", 5, called_roles, {"life.repeatable"}, "99 of 100 calls return within 100 us", call},
-      {"speed.construction", 5, called_roles, {"life.create"}, "it is composed within half a second", construction},
+      check("speed.allocations", 4, called_roles, {"life.repeatable"}, "hot calls allocate nothing", allocation),
+      check("speed.call", 5, called_roles, {"life.repeatable"}, "99 of 100 calls return within 100 us", call),
+      check("speed.construction", 5, called_roles, {"life.create"}, "it is composed within half a second",
+            construction),
   };
 }
 

@@ -54,18 +54,10 @@ void transform_order(Trial& trial) {
 
 std::vector<Check> stream_checks() {
   return {
-      {"numbers.source.order",
-       2,
-       {Role::source},
-       {"life.repeatable"},
-       "samples come in order of time and carry numbers",
-       source_order},
-      {"numbers.transform.order",
-       2,
-       {Role::transform},
-       {"life.repeatable"},
-       "what it emits comes in order of time",
-       transform_order},
+      check("numbers.source.order", 2, {Role::source}, {"life.repeatable"},
+            "samples come in order of time and carry numbers", source_order),
+      check("numbers.transform.order", 2, {Role::transform}, {"life.repeatable"},
+            "what it emits comes in order of time", transform_order),
   };
 }
 

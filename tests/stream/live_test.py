@@ -269,6 +269,35 @@ class Live(unittest.TestCase):
         self.assertIn("B062", done.stderr)
         self.assertEqual(self.figures(done.stdout)["records"], self.expected["records"])
 
+    def shifted(self, channel, first, count, by):
+        """`count` of the channel's lines from index `first` on, `by` seconds later; "" and None: of any channel, of all that follow."""
+        lines, shifted = list(self.lines), 0
+        for index in range(first, len(lines)):
+            sample = json.loads(lines[index])
+            if channel in sample["channel"] and (count is None or shifted < count):
+                lines[index] = json.dumps({**sample, "t": sample["t"] + by})
+                shifted += 1
+        return "\n".join(lines) + "\n"
+
+    def test_lines_an_hour_ahead_are_left_out_and_the_filter_goes_on(self):
+        for channel, first, count, verdict in (("imu", 10000, 1, "ok"), ("gnss", 10000, 1, "ok"), ("imu", 10000, 100, "doubtful"),
+                                               ("gnss", 10000, 20, "ok"), ("imu", 30, 1, "ok")):
+            with self.subTest(channel=channel, first=first, count=count):
+                done = self.run_to_end(live_config("stdin:"), self.shifted(channel, first, count, 3600))
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("its time is far ahead of those before", done.stderr.replace("\n", " "))
+                ins = self.figures(done.stdout)
+                self.assertEqual(ins["verdict"]["state"], verdict, done.stderr)
+                self.assertEqual(ins["end_s"], self.expected["end_s"])
+                late = [ins["measurements"][name]["late"] for name in ins["measurements"]]
+                self.assertEqual(sum(late), 0)
+
+    def test_a_clock_that_jumps_is_followed(self):
+        done = self.run_to_end(live_config("stdin:"), self.shifted("", 10000, None, 100))
+        ins = self.figures(done.stdout)
+        self.assertEqual(ins["end_s"], self.expected["end_s"] + 100, done.stderr)
+        self.assertEqual(ins["input_gaps"], 1)
+
     def test_what_is_no_good_ends_the_run_if_asked(self):
         lines = self.lines[:1000] + ["garbage"]
         done = self.run_to_end(live_config("stdin:", on_error="stop"), "\n".join(lines))
