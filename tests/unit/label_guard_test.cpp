@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels far ahead: one is left out, a clock that jumps is followed, and a source that was silent is believed.
-#include "catch.hpp"
 #include "line_input/label_guard.hpp"
+#include "catch.hpp"
 
 namespace label_guard_test {
 
