@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
+#include "line_input/label_guard.hpp"
 #include "line_input/lines.hpp"
 #include "solution.hpp"
 #include "text/faults.hpp"
@@ -30,6 +31,7 @@ class PosSource final : public Source {
     explicit Live(const Parameters& parameters) : lines(parameters) {}
     line_input::Lines lines;
     Header header;
+    line_input::LabelGuard guard;
     Time newest = no_time;
   };
 

@@ -56,7 +56,7 @@ LineSource::LineSource(const Binding& binding) {
   declaration_.live = true;
   if (parameters.has("interval")) interval_ = parameters.time("interval");
   max_gap_ = parameters.time("max_gap");
-  newest_->guard = line_input::LabelGuard(parameters.time("max_ahead"));
+  max_ahead_ = parameters.time("max_ahead");
   if (!parameters.has("time")) return;
   for (const auto& [key, value] : parameters.members("time")) {
     if (value.type == ParameterValue::Type::absent) continue;
@@ -107,6 +107,7 @@ Time LineSource::time_of(std::string_view text) const {
 
 void LineSource::open(Reporter& reporter) {
   newest_->times.assign(channels_.size(), no_time);
+  newest_->guard = line_input::LabelGuard(max_ahead_);
   lines_->open(reporter);
 }
 

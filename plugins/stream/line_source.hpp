@@ -74,12 +74,13 @@ class LineSource : public Source {
   Time time_offset_ = 0;
   std::optional<Time> interval_;
   Time max_gap_ = nanoseconds_per_second;
+  Time max_ahead_ = 10 * nanoseconds_per_second;
   // Outside the arena: what was read can not be read again.
   std::unique_ptr<line_input::Lines> lines_;
   struct Newest {
     std::vector<Time> times;  // by channel
     LineSample sample;
-    line_input::LabelGuard guard{0};
+    line_input::LabelGuard guard;
   };
   std::unique_ptr<Newest> newest_ = std::make_unique<Newest>();
 };

@@ -232,6 +232,16 @@ TEST_CASE("live: lines as they come") {
   CHECK(r.has_reported("a line is invalid: it has 1 words instead of 24"));
 }
 
+TEST_CASE("live: a line an hour ahead does not refuse those after it") {
+  const Folder folder;
+  const std::string file = folder.write("track.pos", header('x', 0) + row('x', 0, false) + row('x', 0, false, 3600) +
+                                                         row('x', 0, false, 1) + row('x', 0, false, 2));
+  const Pos r({{"from", "file:" + file}, {"week", week}, {"velocity", true}});
+  REQUIRE(r.samples.size() == 3);
+  CHECK(r.samples[2].t - r.samples[0].t == 2 * nanoseconds_per_second);
+  CHECK(r.has_reported("a line is invalid: its time is far ahead of those before"));
+}
+
 TEST_CASE("the recorded .pos is read as it is") {
   const auto folder = recorded_data("receivers");
   if (!folder) return;

@@ -11,7 +11,7 @@ namespace binnacle::line_input {
 /// far behind is not left out: filters count it as late.
 class LabelGuard {
  public:
-  explicit LabelGuard(Time max_ahead) : max_ahead_(max_ahead) {}
+  explicit LabelGuard(Time max_ahead = 10 * nanoseconds_per_second) : max_ahead_(max_ahead) {}
 
   /// `arrival`: by a clock of this machine. False: leave the sample out.
   bool accepts(Time label, Time arrival);
