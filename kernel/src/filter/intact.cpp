@@ -26,11 +26,10 @@ bool ends(const char (&text)[N]) {
 bool is_intact(const TimeHead& head, const FilterPlan& plan) {
   return are_times({head.t, head.start, head.first_restart, head.last_start, head.restart_until, head.input_end,
                     head.newest, head.longest_hole_at, head.stopped_at, head.repeats_since, head.longest_repeat_at}) &&
-         are_counts({head.steps, head.gaps, head.starts, head.stops, head.started, head.pending, head.queued,
-                     head.changes, head.repeats}) &&
-         are_lengths({head.longest_hole, head.stopped_by, head.longest_repeat}) &&
-         std::max(head.starts, head.stops) < (1 << 30) && as_size(head.pending) <= plan.pending.count &&
-         as_size(head.queued) <= plan.queue.count &&
+         are_counts({head.steps, head.gaps, head.starts, head.started, head.pending, head.queued, head.changes,
+                     head.repeats}) &&
+         are_lengths({head.longest_hole, head.stopped_by, head.longest_repeat}) && head.starts < (1 << 30) &&
+         as_size(head.pending) <= plan.pending.count && as_size(head.queued) <= plan.queue.count &&
          (head.starts == 0 || are_moments({head.t, head.start, head.last_start, head.input_end})) &&
          (head.started == 0 || head.starts > 0) && (head.repeats == 0 || base::is_near(head.repeats_since)) &&
          (head.t == no_time || head.input_end == no_time || plan.input_channel < 0 || head.started == 0 ||

@@ -394,8 +394,7 @@ struct TimeHead {
   std::int32_t queued = 0;
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
-  std::int32_t bridged = 0;       // the last driving interval bridged a hole
-  std::int32_t stops = 0;         // by holes that were not
+  std::int64_t bridged = 0;       // the last driving interval bridged a hole
   Time longest_hole = 0;          // that was bridged, and where it began
   Time longest_hole_at = no_time;
   Time stopped_by = 0;  // the last hole that was not, and where it began

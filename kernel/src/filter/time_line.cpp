@@ -124,7 +124,6 @@ bool TimeLine::bridge(Time until, const SampleView& sample) {
   const double hole = seconds(until - head_.input_end);
   if (plan_.longest_bridge > 0 && until - head_.input_end > plan_.longest_bridge) {
     head_.started = 0;
-    ++head_.stops;
     head_.stopped_by = until - head_.input_end;
     head_.stopped_at = head_.input_end;
     flush(Outcome::unsupported, "in a hole of the input that is too long to bridge");

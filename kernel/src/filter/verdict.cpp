@@ -29,9 +29,9 @@ class Examination {
             .figure = seconds(head_.stopped_by),
             .limit = seconds(plan_.longest_bridge)});
     if (head_.starts > 1) {
-      const bool is_by_holes = head_.starts - 1 <= head_.stops;  // nothing was wrong then
-      see_({Doubt::restarted, is_by_holes ? Verdict::ok : Verdict::doubtful, -1, -1, 0, head_.first_restart,
-            double(head_.starts - 1), is_by_holes ? seconds(head_.stopped_by) : 0.0});
+      const bool is_by_hole = head_.starts == 2 && head_.stopped_by > 0 && head_.stopped_at < head_.first_restart;
+      see_({Doubt::restarted, Verdict::doubtful, -1, -1, 0, head_.first_restart, double(head_.starts - 1),
+            is_by_hole ? seconds(head_.stopped_by) : 0.0});
     }
     examine_covariance();
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});

@@ -123,7 +123,13 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
       return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
              "): \"covariance\": \"joseph\" has too few digits for this, so the sigmas after it are zero or wrong; "
              "\"ud\" and \"square_root\" have enough";
-    default: break;  // of the filter as a whole
+    case Doubt::indefinite:
+    case Doubt::bridged:
+    case Doubt::unaided:
+    case Doubt::restarted:
+    case Doubt::input_ended:
+    case Doubt::stopped:
+    case Doubt::lagging: break;
   }
   return who;
 }
