@@ -119,12 +119,12 @@ Json entry_of(const TrustReason& reason, const FilterInfo& info, const BiasEffec
   }
   if (reason.since != no_time) entry["since_s"] = seconds(reason.since);
   if (jumps && reason.doubt == Doubt::recovered)
-    for (std::size_t b = 0; b < info.blocks.size(); ++b)
-      if (const double jump = jumps->largest(reason.measurement, static_cast<int>(b)); jump > 0) {
-        entry["significant"] = verdict_name(reason.verdict);
-        entry["jumps"][info.blocks[b].name] = {{"largest", jump},
-                                               {"unit", info.blocks[b].declaration->error.front().unit}};
-      }
+    for (std::size_t b = 0; b < info.blocks.size(); ++b) {
+      const double jump = jumps->largest(reason.measurement, static_cast<int>(b));
+      if (jump == 0 || info.blocks[b].declaration->error.front().unit != "m") continue;
+      entry["significant"] = verdict_name(reason.verdict);
+      entry["jumps"][info.blocks[b].name] = {{"largest", jump}, {"unit", "m"}};
+    }
   const bool is_of_row = reason.doubt == Doubt::bias || reason.doubt == Doubt::correlation;
   if (!effects || (!is_of_row && reason.doubt != Doubt::nis)) return entry;
   entry["significant"] = verdict_name(reason.verdict);
@@ -181,8 +181,7 @@ Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* e
     std::string text = doubts.items()[i].message;
     const Json jumps_of_it = entry.value("jumps", Json::object());
     for (const auto& [block, jump] : jumps_of_it.items())
-      text += "; it moved " + in_quotes(block) + " by " + short_number(jump.at("largest")) + " " +
-              jump.at("unit").get<std::string>();
+      text += "; it moved " + in_quotes(block) + " by " + short_number(jump.at("largest")) + " m";
     entry["text"] = text;
     verdict["reasons"].push_back(std::move(entry));
   }

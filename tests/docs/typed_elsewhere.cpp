@@ -33,7 +33,7 @@ const std::vector<TypedElsewhere>& typed_elsewhere() {
       {R"(configs/benchmarks/run\b)", "tests/docs/benchmarks_test.py", "test_its_commands_are_understood"},
       {R"(tests/faults_matrix/run\b)", "tests/faults_matrix/CMakeLists.txt", "/run\" --study"},
       {R"(tests/faults_matrix/outliers\b)", "tests/faults_matrix/CMakeLists.txt", "/outliers\""},
-      {R"(tests/faults_matrix/circles\b)", "tests/faults_matrix/CMakeLists.txt", "/circles\""},
+      {R"(tests/faults_matrix/loops\b)", "tests/faults_matrix/CMakeLists.txt", "/loops\""},
       {R"(tests/faults_matrix/draws\b)", "tests/faults_matrix/CMakeLists.txt", "/draws\""},
       {R"(tests/inspect/planted\.py )", "tests/inspect/CMakeLists.txt", "planted.py"},
       {R"(tests/bench/run\b)", "tests/bench/CMakeLists.txt", "/run\""},
