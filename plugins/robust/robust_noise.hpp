@@ -30,5 +30,13 @@ using Huber = NoiseOf<Loss::huber>;
 using Cauchy = NoiseOf<Loss::cauchy>;
 using StudentT = NoiseOf<Loss::student_t>;
 using DynamicCovarianceScaling = NoiseOf<Loss::dcs>;
+template <>
+ComponentSpec Huber::spec();
+template <>
+ComponentSpec Cauchy::spec();
+template <>
+ComponentSpec StudentT::spec();
+template <>
+ComponentSpec DynamicCovarianceScaling::spec();
 
 }  // namespace binnacle::robust
