@@ -21,7 +21,9 @@ void JumpWatch::inflated(const InflationRecord& record) {
   opened_by_ = record.measurement;
   for (std::size_t b = 0; b < variances_.size(); ++b) {
     const auto& block = filter_.blocks[b];
-    variances_[b] = record.P0.as().diagonal().segment(block.first_row, static_cast<int>(block.active.size())).sum();
+    variances_[b] = 0;
+    for (int row = block.first_row; row < block.first_row + static_cast<int>(block.active.size()); ++row)
+      variances_[b] += record.P0(row, row);
   }
 }
 
