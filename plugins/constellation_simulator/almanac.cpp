@@ -63,8 +63,8 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
       line_number = reader.line();
       const auto colon = line.find(':');
       if (colon == std::string_view::npos) continue;  // headings and blank lines
-      const std::string_view name = trimmed(line.substr(0, colon));
-      const auto value = read_number(trimmed(line.substr(colon + 1)));
+      const std::string_view name = trimmed(line.substr(0, colon), " \t\r");
+      const auto value = read_number(trimmed(line.substr(colon + 1), " \t\r"));
       if (!value) throw damaged("'" + std::string(name) + "' is followed by no number");
       if (begins(name, "ID")) {
         finish();

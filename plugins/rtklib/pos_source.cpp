@@ -175,7 +175,6 @@ std::optional<Solution> PosSource::take(std::string_view line, Header& header) c
 void PosSource::open(Reporter& reporter) {
   if (live_) {
     live_->header = {};
-    live_->guard = line_input::LabelGuard();
     live_->newest = no_time;
     return live_->lines.open(reporter);
   }
@@ -249,9 +248,8 @@ SourceStatus PosSource::next_of_live(SourceOutput& output) const {
         live.lines.note("a line with Q = 0 is not a solution and was left out", "B065");
         continue;
       }
-      if (!live.guard.accepts(solution->t, line_input::monotonic_now()))
-        throw BadLine{"its time is far ahead of those before"};
-      if (live.guard.is_anew()) live.newest = no_time;
+      if (!live.lines.accepts(solution->t)) continue;
+      if (live.lines.is_anew()) live.newest = no_time;
       if (live.newest != no_time && solution->t <= live.newest) {
         live.lines.complain("it is not younger than the one before", "B063");
         continue;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
-#include "line_input/label_guard.hpp"
 #include "line_input/lines.hpp"
 #include "solution.hpp"
 #include "text/faults.hpp"
@@ -31,7 +30,6 @@ class PosSource final : public Source {
     explicit Live(const Parameters& parameters) : lines(parameters) {}
     line_input::Lines lines;
     Header header;
-    line_input::LabelGuard guard;
     Time newest = no_time;
   };
 

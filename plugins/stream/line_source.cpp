@@ -52,11 +52,10 @@ ParameterSpec LineSource::field_spec(const char* key, const char* about) {
 
 LineSource::LineSource(const Binding& binding) {
   const Parameters& parameters = binding.parameters();
-  lines_ = std::make_unique<line_input::Lines>(parameters);
+  lines_ = std::make_unique<line_input::Lines>(parameters, parameters.time("max_ahead"));
   declaration_.live = true;
   if (parameters.has("interval")) interval_ = parameters.time("interval");
   max_gap_ = parameters.time("max_gap");
-  max_ahead_ = parameters.time("max_ahead");
   if (!parameters.has("time")) return;
   for (const auto& [key, value] : parameters.members("time")) {
     if (value.type == ParameterValue::Type::absent) continue;
@@ -107,7 +106,6 @@ Time LineSource::time_of(std::string_view text) const {
 
 void LineSource::open(Reporter& reporter) {
   newest_->times.assign(channels_.size(), no_time);
-  newest_->guard = line_input::LabelGuard(max_ahead_);
   lines_->open(reporter);
 }
 
@@ -132,14 +130,13 @@ bool LineSource::take(std::string_view line, SourceOutput& out) const {
   sample.t = sample.t0 = no_time;
   try {
     if (!parse(line, sample)) return false;
-    const Time arrival = line_input::monotonic_now();
     if (lines_->stamps_arrival()) {
-      sample.t = arrival;
+      sample.t = line_input::monotonic_now();
       sample.t0 = no_time;
     }
     if (sample.t == no_time) throw BadLine{"it has no time '" + time_key_ + "'"};
-    if (!newest_->guard.accepts(sample.t, arrival)) throw BadLine{"its time is far ahead of those before"};
-    if (newest_->guard.is_anew()) newest_->times.assign(channels_.size(), no_time);
+    if (!lines_->accepts(sample.t)) return false;
+    if (lines_->is_anew()) newest_->times.assign(channels_.size(), no_time);
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (std::ranges::none_of(sample.values, is_finite)) throw BadLine{"it has none of its channel's fields"};
     write(sample, out);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
-#include "line_input/label_guard.hpp"
 #include "line_input/lines.hpp"
 
 namespace binnacle::stream {
@@ -74,13 +73,11 @@ class LineSource : public Source {
   Time time_offset_ = 0;
   std::optional<Time> interval_;
   Time max_gap_ = nanoseconds_per_second;
-  Time max_ahead_ = 10 * nanoseconds_per_second;
   // Outside the arena: what was read can not be read again.
   std::unique_ptr<line_input::Lines> lines_;
   struct Newest {
     std::vector<Time> times;  // by channel
     LineSample sample;
-    line_input::LabelGuard guard;
   };
   std::unique_ptr<Newest> newest_ = std::make_unique<Newest>();
 };

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "binnacle/state_block.hpp"
 #include "conservative.hpp"
+#include "wording/short_number.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
 
@@ -181,7 +184,7 @@ Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* e
     std::string text = doubts.items()[i].message;
     const Json jumps_of_it = entry.value("jumps", Json::object());
     for (const auto& [block, jump] : jumps_of_it.items())
-      text += "; it moved " + in_quotes(block) + " by " + short_number(jump.at("largest")) + " m";
+      text += "; it moved " + wording::in_quotes(block) + " by " + wording::short_number(jump.at("largest")) + " m";
     entry["text"] = text;
     verdict["reasons"].push_back(std::move(entry));
   }
@@ -206,13 +209,15 @@ Json sized_verdict(const Session& session, FilterId filter, const BiasEffects* e
 Diagnostics doubts(const Session& session, FilterId filter, const Json& verdict) {
   const Diagnostics all = session.doubts(filter, Verdict::ok);
   Diagnostics doubts;
-  for (Diagnostic doubt : all.items())
-    for (const Json& reason : verdict.at("reasons"))
-      if (const std::string text = reason.at("text"); text.starts_with(doubt.message)) {
-        doubt.message = text;
-        doubts.add(doubt);
-        break;
-      }
+  const Json& reasons = verdict.at("reasons");
+  for (Diagnostic doubt : all.items()) {
+    const auto said = std::ranges::find_if(reasons, [&](const Json& reason) {
+      return reason.at("text").get_ref<const std::string&>().starts_with(doubt.message);
+    });
+    if (said == reasons.end()) continue;
+    doubt.message = said->at("text");  // with its sizes
+    doubts.add(doubt);
+  }
   return doubts;
 }
 

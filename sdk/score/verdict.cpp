@@ -41,8 +41,7 @@ bool is_small(const Json& ratio, const Json& estimates, const Limits& limits) {
 bool is_far(const Json& jumps, const Limits& limits) {
   return std::ranges::any_of(jumps.items(), [&](const auto& item) {
     const auto limit = limits.find(item.key());
-    return item.value().at("unit") == "m" && limit != limits.end() &&
-           !is_within(item.value().at("largest"), 10 * limit->second);
+    return limit != limits.end() && !is_within(item.value().at("largest"), 10 * limit->second);
   });
 }
 

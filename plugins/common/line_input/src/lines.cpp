@@ -28,6 +28,7 @@ void Lines::open(Reporter& reporter) {
   line_ = 0;
   is_cut_ = false;
   waiting_ = unusable_ = 0;
+  labels_ = LabelGuard(max_ahead_);
   bytes_.open(reporter);
 }
 
@@ -79,6 +80,12 @@ bool Lines::take_line(std::string_view& line) {
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.find_first_not_of(" \t") != line.npos) return true;
   }
+}
+
+bool Lines::accepts(Time label) {
+  const bool is_accepted = labels_.accepts(label, monotonic_now());
+  if (!is_accepted) complain("its time is far ahead of those before");
+  return is_accepted;
 }
 
 void Lines::complain(const std::string& why, const char* code) {

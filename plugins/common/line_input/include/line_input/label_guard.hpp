@@ -11,7 +11,7 @@ namespace binnacle::line_input {
 /// far behind is not left out: filters count it as late.
 class LabelGuard {
  public:
-  explicit LabelGuard(Time max_ahead = 10 * nanoseconds_per_second) : max_ahead_(max_ahead) {}
+  explicit LabelGuard(Time max_ahead) : max_ahead_(max_ahead) {}
 
   /// `arrival`: by a clock of this machine. False: leave the sample out.
   bool accepts(Time label, Time arrival);
@@ -21,7 +21,7 @@ class LabelGuard {
  private:
   Time max_ahead_;
   Time newest_ = no_time, arrival_ = no_time;         // of what was accepted
-  Time suspect_ = no_time, suspect_since_ = no_time;  // the newest label left out, and the first that it goes on from
+  Time suspect_ = no_time, suspect_since_ = no_time;  // the newest that is far off, and the first that it goes on from
   int suspects_ = 0;
   bool is_anew_ = false;
 };

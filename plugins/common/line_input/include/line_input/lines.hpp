@@ -3,6 +3,7 @@
 #pragma once
 
 #include "line_input/bytes.hpp"
+#include "line_input/label_guard.hpp"
 
 namespace binnacle::line_input {
 
@@ -10,7 +11,8 @@ class Lines {
  public:
   /// `from`, `stamp`, `silence`, `on_error`. The constructor needs `from`.
   static std::vector<ParameterSpec> parameters();
-  explicit Lines(const Parameters& parameters) : bytes_(parameters, true) {}
+  explicit Lines(const Parameters& parameters, Time max_ahead = 10 * nanoseconds_per_second)
+      : bytes_(parameters, true), max_ahead_(max_ahead), labels_(max_ahead) {}
 
   /// "stamp": "arrival".
   bool stamps_arrival() const { return bytes_.stamps_arrival(); }
@@ -32,7 +34,11 @@ class Lines {
   /// The newest line is no good. The first of a kind is reported at once, then the tenth, the hundredth, … Throws
   /// ComponentError::in_data with "on_error": "stop".
   void complain(const std::string& why, const char* code = "B062");
-  /// The same of something that ends nothing.
+  /// The label of the newest line. False: it is far ahead (LabelGuard), which was complained of.
+  bool accepts(Time label);
+  /// It is the first after a jump of the clock.
+  bool is_anew() const { return labels_.is_anew(); }
+  /// As complain(), of something that ends nothing.
   void note(const std::string& what, const char* code) { bytes_.note(what, code, line_); }
 
  private:
@@ -40,6 +46,8 @@ class Lines {
   void begin_anew(bool is_lost);
 
   Bytes bytes_;
+  Time max_ahead_;
+  LabelGuard labels_;
   std::string buffer_;
   std::size_t begin_ = 0;  // of what was not taken yet
   int line_ = 0;
